@@ -58,6 +58,7 @@ _CSS = """
 .nao-function .nao-scores b { padding: 0 6px; }
 .nao-function .nao-scores tbody th { text-align: left; font-weight: normal; }
 .nao-function .nao-scores td { font-variant-numeric: tabular-nums; min-width: 44px; }
+@container (max-width: 600px) { .nao-function .nao-scores :is(th, td) { padding: 1px 3px; min-width: 0; } }
 .nao-function .nao-key { display: inline-block; width: 11px; height: 11px; border: 1px solid #555; margin-right: 5px;
   vertical-align: -1px; }
 .nao-function .nao-legend { font-size: 12px; line-height: 18px; }

@@ -55,8 +55,9 @@ class Place:
         height, width = pixels.shape[:2]
         shortest, tallest = self._heights
         highest = min(tallest, ENLARGED * height) if is_figure else tallest
-        column.layout.max_width = f"{highest * width / height:.0f}px"
-        column.layout.flex = f"{width / height:.3f} 1 {shortest * width / height:.0f}px"
+        column.layout.width = column.layout.max_width = f"{highest * width / height:.0f}px"
+        # Factors of growth whose sum is less than 1 would leave a part of the width empty.
+        column.layout.flex = f"{100 * width / height:.0f} 1 {shortest * width / height:.0f}px"
         switch(column, "nao-photo", not is_figure)
         switch(column, "nao-small", width <= 64)
 

@@ -195,6 +195,29 @@ def test_pictures_tables_and_sentences_are_shown_and_summed_up():
     assert "0% are bright." in panel.summary()
 
 
+def test_controls_are_beside_one_picture_and_below_two():
+    def pictures(values, student):
+        return {str(number): NOISE for number in range(values.count)}
+
+    panel = FunctionPanel("Some", pictures, [Slider("count", "Count", 1, 2, 1, 1)])
+    assert "nao-beside" in panel.widget._dom_classes
+    panel.set(count=2)
+    assert "nao-beside" not in panel.widget._dom_classes
+
+
+def test_small_pictures_are_among_the_controls_and_do_not_move_them():
+    panel = FunctionPanel("Two", lambda values, student: {"A": NOISE, "B": NOISE}, [LEVEL], small=("B",))
+    main, side = panel.widget.children[1].children
+    assert [each.alt for each in all_widgets(main) if isinstance(each, LabelledImage)] == ["Two: A"]
+    assert [each.alt for each in all_widgets(side) if isinstance(each, LabelledImage)] == ["Two: B"]
+    assert "nao-beside" in panel.widget._dom_classes
+
+
+def test_a_figures_text_alternative_is_what_it_says():
+    drawing = draw_picture(NOISE, title="Noise")
+    assert image(FunctionPanel("One", lambda values, student: drawing, [LEVEL]), 0).alt == drawing.alt
+
+
 def test_a_figure_is_shown_as_it_is_and_stays_where_no_widget_lives():
     panel = FunctionPanel("One", lambda values, student: draw_picture(NOISE, title="Noise"), [LEVEL])
     height, width = decoded(image(panel, 0)).shape[:2]

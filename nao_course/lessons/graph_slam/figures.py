@@ -136,7 +136,7 @@ class GraphMap:
     def __init__(self, drive: LinearDrive) -> None:
         """Draw the field, the truth and the legend."""
         self._drive = drive
-        figure = Figure(figsize=(4.3, 4.9), dpi=110)
+        figure = Figure(figsize=(4.6, 4.9), dpi=110)
         canvas: Any = FigureCanvasAgg  # matplotlib gives its methods no types
         self._canvas = canvas(figure)
         self._ax = figure.add_subplot()

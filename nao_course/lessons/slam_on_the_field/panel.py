@@ -179,12 +179,13 @@ def draw_problem(each: AssociationProblem, indices: Any) -> Drawing:
     for n, end in enumerate(ends):
         kind = each.observation[n].kind
         ax.plot([estimated.x, end[0]], [estimated.y, end[1]], color="#444", lw=0.7, alpha=0.5, zorder=3)
-        ax.plot(*end, LANDMARK_MARKERS[kind], color="white", mec=SEEN_COLOUR, ms=7, mew=1.6, zorder=5.5)
-        if indices is not None and 0 <= indices[n] < len(marks):
+        has_match = indices is not None and 0 <= indices[n] < len(marks)
+        is_alone = indices is not None and not has_match and indices[n] != NOT_SHOWN
+        edge = BAD if is_alone else SEEN_COLOUR
+        ax.plot(*end, LANDMARK_MARKERS[kind], color="white", mec=edge, ms=7, mew=1.6, zorder=5.5)
+        if has_match:
             colour = GOOD if indices[n] == each.origins[n] else BAD
             ax.plot(*np.column_stack([end, marks[indices[n]]]), color=colour, lw=3, zorder=4.5)
-        elif indices is not None and indices[n] != NOT_SHOWN:
-            ax.annotate("none", end, (4, 4), textcoords="offset points", color=BAD, fontsize=9, zorder=6)
     plot_pose(each.pose, ax)
     plot_pose(estimated, ax, "ekf")
     plot_ellipse((estimated.x, estimated.y), each.covariance[:2, :2], ax, "ekf")
@@ -194,6 +195,7 @@ def draw_problem(each: AssociationProblem, indices: Any) -> Drawing:
         for name, colour, edge in (
             ("landmark on the map", "none", MAP_COLOUR),
             ("measurement", "white", SEEN_COLOUR),
+            ("measurement, no match", "white", BAD),
         )
     ]
     keys += [

@@ -176,7 +176,7 @@ def test_without_stages_there_is_no_button_and_no_view_to_choose():
 
 def test_the_stage_of_the_documentation_is_made_of_ten_lines_and_marks_what_is_found():
     page = (PROJECT / "docs" / "write_a_panel.md").read_text(encoding="utf-8")
-    _, example, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    *_, example = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     assert len([line for line in example.splitlines() if line.strip()]) <= 10
     room = {"Overlay": Overlay, "Stage": Stage}
     exec(example, room)

@@ -276,7 +276,7 @@ def _draw_paper(clicked: Collection[str], pose: Pose | None = None, points: npt.
         said += f" The phone is above ({phone[0]:.1f}, {phone[1]:.1f}) cm; landmarks: {places or 'none'}."
     ax.set(xlabel="to the right on the paper (cm)", ylabel="up on the paper (cm)", ylim=(lowest, None))
     legend_below(figure, keys)
-    return Drawing(figure, said)
+    return Drawing(figure, said, photo=True)
 
 
 @cache
