@@ -17,12 +17,10 @@ APART = (
 )
 # Those that take longest, each file with what it has prepared once, and then the tests above.
 FIRST = (
-    "tests/attacks/test_code.py",
+    "tests/attacks/test_catalogue.py",
     "tests/test_cli.py",
     "tests/attacks/test_accidents.py",
     "tests/instructor/autograding/test_batch.py",
-    "tests/attacks/test_siege.py",
-    "tests/attacks/test_fourth_siege.py",
     *APART,
     "tests/attacks/test_mutations.py",
     "tests/browser/test_lab.py",

@@ -667,7 +667,9 @@ ANSWERS = (
     in_clamp("number_of_300000_digits", "answers", "return 10 ** 300_000"),
     in_clamp("list_in_itself", "answers", "nest = []\nnest.append(nest)\nreturn nest"),
     in_clamp("a_million_values", "answers", "return [0] * 10**6"),
-    in_clamp("coroutine", "answers", "pass", honest=all_but("clamp"), edit=lambda made: _make_async(made)),
+    in_clamp(
+        "async_function", "answers", "pass", honest=all_but("clamp"), edit=lambda made: _make_async(made)
+    ),
     in_clamp(
         "answers_what_it_was_asked",
         "answers",
@@ -818,7 +820,7 @@ ANSWERS = (
         "frame_of_nan_and_infinity", "loop.say(answered(outcome('[NaN, Infinity, 1e999]')))\ntime.sleep(9)"
     ),
     speaking(
-        "half_a_character",
+        "half_a_character_in_a_frame",
         r"""
         half = '"\\ud800 nao\\u0000 \\udfff"'
         loop.say(answered(outcome(text=half, line='"line 1: ' + half[1:], status='raised')))
@@ -1057,7 +1059,8 @@ for process in [os.getppid(), *range(1, 40)]:
     looting(
         "looks_for_keys",
         "reads",
-        SYSTEM + "\nfor ring in range(-8, 0):\n    loot = loot or libc.syscall(250, 6, ring, 0, 0) >= 0",
+        SYSTEM + "\nloot = libc.syscall(250, 10, -3, b'user', b'nao_key', 0) > 0\n"
+        "loot = loot or libc.syscall(248, b'user', b'nao_attack', b'x', ctypes.c_size_t(1), -3) > 0",
     ),
     in_clamp(
         "looks_for_what_the_one_before_left",

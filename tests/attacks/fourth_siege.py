@@ -829,6 +829,4 @@ _BROKEN = (
         "small_nested_in_outputs", TEXT.replace('"outputs": []', '"outputs": ' + "[" * 10**5 + "]" * 10**5, 1)
     ),
 )
-# What takes from nobody, and may run where less is confined.
-HARMLESS = (*GAINS, *LARGE, *_BROKEN, *WORK, *EARLIER)
-ATTACKS: tuple[Attack, ...] = (*DENIALS, *HARM, *LEAKS, *HARMLESS)
+ATTACKS: tuple[Attack, ...] = (*DENIALS, *HARM, *LEAKS, *GAINS, *LARGE, *_BROKEN, *WORK, *EARLIER)

@@ -7,20 +7,41 @@ import unicodedata
 from collections.abc import Sequence
 from html.parser import HTMLParser
 
+from nao_course.instructor.autograding.tries import SECONDS_OF_A_SUBMISSION
 from tests.attacks.range import Attack, Graded, Range, hidden_numbers, honest, honest_points, points, told
 
 MOST_MEMORY = 1000 * 2**20  # bytes, of the grader's own process with two jobs
+MOST_SECONDS = SECONDS_OF_A_SUBMISSION + 5.0  # with the time to end its processes
 _NEUTRAL = "student"
 
 
+def hold(graded: Graded, attack: Attack, alone: Graded, hidden: set[str]) -> None:
+    """All that has to be true of one attack."""
+    gained_nothing(graded, attack)
+    page_is_safe(graded, attack, hidden)
+    neighbours_are_undisturbed(graded, attack, alone)
+
+
+def is_no_better_off(graded: Graded, attack: Attack) -> None:
+    """No exercise earns more than its honest score, in time; an attack that is not graded has a reason."""
+    result = graded.results[student_of(graded, attack)]
+    said = told(result)
+    assert not [name for name, earned in points(result).items() if earned > attack.honest.get(name, 0.0)], (
+        said
+    )
+    assert result.seconds < MOST_SECONDS, said
+    assert result.status == "graded" or result.reason, said
+
+
 def gained_nothing(graded: Graded, attack: Attack) -> None:
-    """The attack has the honest score, stated beforehand, and says what it has to say."""
+    """The attack has exactly the honest score, stated beforehand, in time, and says what it has to say."""
     student = student_of(graded, attack)
     result = graded.results[student]
     said = told(result)
     assert points(result) == dict(attack.honest), said
     assert result.status == ("refused" if attack.refused else "graded"), said
     assert bool(result.reason) == attack.refused, said
+    assert result.seconds < MOST_SECONDS, said
     assert attack.says in said, said
     assert not any(_tricks(note) for note in result.notes), said
 

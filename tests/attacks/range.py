@@ -2,10 +2,10 @@
 
 How an entry is added
 ---------------------
-Append an `Attack` to the ATTACKS of a catalogue: `code.py` for hostile code, `accidents.py` for broken files and odd
-but honest notebooks; each has a test module like `test_code.py`, which grades it in one run. State its honest score
-first: `honest` names what each exercise has to earn, and all others have to earn nothing. Then say how the submission
-is made, in one of these ways:
+Append an `Attack` to the ATTACKS of a list: `code.py`, `siege.py` and `fourth_siege.py` for hostile submissions, which
+`test_catalogue.py` grades in one run, `accidents.py` for broken files and odd but honest notebooks, which have more
+time and a run of their own. State its honest score first: `honest` names what each exercise has to earn, and all
+others have to earn nothing. Then say how the submission is made, in one of these ways:
 
 - `functions`: source of exercises' cells that take the place of the right ones of RIGHT ("" deletes the cell); `before`
   and `after`: source of a cell of the student's own before and after them;
@@ -267,9 +267,9 @@ class Listeners:
         shutil.rmtree(Path(self.names["UNIX"]).parent)
 
 
-# The real command in a process of its own, with a shorter clock; what it leaves becomes a child of the runner.
+# The real command in a process of its own, with a shorter clock.
 _COMMAND = """
-import resource, sys
+import ctypes, resource, sys
 from dataclasses import replace
 from nao_course import cli
 from nao_course.instructor.autograding import session
@@ -281,34 +281,12 @@ session.grade_all = lambda waiting, assignment_of, *rest, **more: grade_all(
 session.probe = lambda: Sandbox(tuple(
     Layer(each.name, each.on and each.name not in off, each.detail) for each in probe().layers))
 if __name__ == "__main__":
+    ctypes.CDLL(None).syscall(250, 1, None)  # a keyring of its own, and a key in it to be looked for
+    ctypes.CDLL(None).syscall(248, b"user", b"nao_key", b"x", ctypes.c_size_t(1), -3)
     try:
         cli.app()
     finally:
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-"""
-_RUNNER = """
-import ctypes, json, os, subprocess, sys, time
-from pathlib import Path
-
-def below(process):
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            words = stat.read_text(errors="replace").rpartition(")")[2].split()
-        except OSError:
-            continue
-        if int(words[1]) == process and words[0] not in "ZX":
-            found += [(int(stat.parent.name), (stat.parent / "cmdline").read_bytes().decode("utf-8", "replace"))]
-    return found
-
-ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)  # PR_SET_CHILD_SUBREAPER
-start = time.monotonic()
-done = subprocess.run([sys.executable, "-c", *sys.argv[1:]], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                      stderr=subprocess.STDOUT)
-seconds = time.monotonic() - start
-while (left := below(os.getpid())) and time.monotonic() < start + seconds + 3.0:
-    time.sleep(0.05)
-print(json.dumps([done.returncode, seconds, left, done.stdout.decode("utf-8", "replace")]))
 """
 
 
@@ -370,11 +348,17 @@ class Range:
         Wall clock of a call.
     off : sequence of str
         Layers of the sandbox to do without: to see attacks succeed.
+    user : int, optional
+        Who grades, and owns all of it: for attacks that would harm this user where layers are missing.
+    most_seconds : float
+        After which the command is ended.
     """
 
     root: Path
     seconds: float = SECONDS
     off: Sequence[str] = ()
+    user: int | None = None
+    most_seconds: float = 3600.0
     jobs: int = 2
 
     def __post_init__(self) -> None:
@@ -445,16 +429,19 @@ class Range:
             for place, (student, each) in enumerate(handed_in.items()):
                 right = [name for name in students[max(place - 1, 0) : place + 2] if name.endswith("-right")]
                 self.hand_in(student, each, self.places(listeners, right[0] if right else student))
+            if self.user is not None:
+                for path in (self.root, *self.root.rglob("*")):
+                    os.chown(path, self.user, self.user, follow_symlinks=False)
             before = self.state()
-            ended = self.command()
+            ended = self.command(Path(listeners.names["UNIX"]).parent)
             after = self.state()
             changed = sorted(
                 name for name in before.keys() | after.keys() if before.get(name) != after.get(name)
             )
             return Graded(*ended, *self.kept(), students, changed, listeners.heard())
 
-    def command(self) -> tuple[int, float, list[Any], str, int]:
-        """Run `nao-course grade`."""
+    def command(self, *folders: Path) -> tuple[int, float, list[Any], str, int]:
+        """Run `nao-course grade`; folders outside of the range may be seen by another user."""
         environment = os.environ | {
             "HOME": str(self.home), "TMPDIR": str(self.temporary), "NAO_COURSE_SECRET": str(self.root / "secret"),
             "PYTHONPATH": str(PROJECT), "COLUMNS": "200", "MPLCONFIGDIR": str(self.cache),
@@ -462,13 +449,24 @@ class Range:
         words = ["grade", self.submissions, "--out", self.grades, "--jobs", self.jobs]
         words += [] if self.off else ["--require-sandbox", LEVELS[-1]]
         told = [_COMMAND, ",".join(self.off), self.seconds, *words]
-        runner = [sys.executable, "-c", _RUNNER, *map(str, told)]
+        options = json.dumps(
+            {"seconds": self.most_seconds, "user": self.user, "folders": [str(self.root), *map(str, folders)]}
+        )
+        runner = [
+            sys.executable,
+            "-m",
+            "tests.attacks.runner",
+            options,
+            sys.executable,
+            "-c",
+            *map(str, told),
+        ]
         done = subprocess.run(
             runner, cwd=self.course.root, env=environment, stdout=subprocess.PIPE, check=True
         )
         status, seconds, processes, output = json.loads(done.stdout)
         output, _, peak = output.rstrip().rpartition("\n")
-        return status, seconds, processes, output, int(peak) * 1024
+        return status, seconds, processes, output, int(peak) * 1024 if peak.isdecimal() else 0
 
     def kept(self) -> tuple[dict[str, SubmissionResult], dict[str, str], list[str], int]:
         """What the journal and the feedback folder hold."""

@@ -1,7 +1,6 @@
 """Accidents cost no more than what they hit, and honest work in any shape gets its points."""
 
 import zipfile
-from collections import Counter
 
 import pytest
 
@@ -19,7 +18,6 @@ def options():
 
 def test_the_catalogue_covers_every_row_about_accidents():
     assert {attack.row for attack in ATTACKS} == {"broken", "large", "styles", "honest"}
-    assert not [name for name, count in Counter(attack.name for attack in ATTACKS).items() if count > 1]
     for attack in ATTACKS:
         assert attack.row in ROWS and all(
             0 < points <= POINTS[name] for name, points in attack.honest.items()
@@ -34,9 +32,7 @@ def test_the_run_ends_well_and_leaves_nothing(graded):
 @pytest.mark.slow
 @pytest.mark.parametrize("attack", ATTACKS, ids=lambda attack: attack.name)
 def test_an_accident_costs_what_is_stated_and_disturbs_nobody(attack, graded, alone, hidden):
-    laws.gained_nothing(graded, attack)
-    laws.page_is_safe(graded, attack, hidden)
-    laws.neighbours_are_undisturbed(graded, attack, alone)
+    laws.hold(graded, attack, alone, hidden)
 
 
 def _graded(range_, expected=0):

@@ -1,6 +1,7 @@
 """What the pages for assistants and authors say is so: their commands run, and what they name exists."""
 
 import csv
+import json
 import os
 import re
 import shutil
@@ -14,7 +15,7 @@ import pytest
 from nao_course.instructor.sandbox.layers import LEVELS, probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
-from tests.attacks import code, siege
+from tests.attacks.catalogue import ATTACKS
 from tests.paths import PROJECT
 from tests.sandboxed import attacker, attempt, need, only
 from tests.toy.course import lay_out_first_lessons
@@ -162,7 +163,7 @@ def test_what_is_said_to_be_tested_is():
         for path in (PROJECT / "tests").rglob("test_*.py")
         for name in re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)
     }
-    there = tests | {attack.name for attack in (*code.ATTACKS, *siege.ATTACKS)}
+    there = tests | {attack.name for attack in ATTACKS}
     rows = text_of("what_is_protected.md").split("| what a")[1].split("\n\n")[0].splitlines()[2:]
     named = [name for row in rows for name in re.findall(r"`(\w+)`", row.rstrip(" |").split(" | ")[-1])]
     named += re.findall(r"`(test_\w+)`", text_of("what_is_protected.md"))
@@ -196,6 +197,18 @@ def test_every_rule_of_a_lesson_names_tests_that_there_are_and_every_test_of_a_r
 def test_every_level_is_a_column_of_the_table_of_threats():
     (header,) = (line for line in text_of("what_is_protected.md").splitlines() if line.startswith("| what a"))
     assert re.findall(r"`(\w+)`", header) == list(LEVELS)
+
+
+def test_the_table_of_withstood_attacks_is_what_was_measured():
+    rows = re.findall(r"^\| (denial|gain|leak|harm): .*$", text_of("what_is_protected.md"), re.MULTILINE)
+    measured = json.loads((PROJECT / "benchmarks" / "results" / "siege.json").read_text(encoding="utf-8"))
+    assert rows == list(measured["withstood"])
+    for kind, levels in measured["withstood"].items():
+        (row,) = (
+            line for line in text_of("what_is_protected.md").splitlines() if line.startswith(f"| {kind}: ")
+        )
+        cells = [f"{held} of {graded}" for held, graded in levels.values()]
+        assert row.split(" | ")[1:4] == cells
 
 
 # --- what lower levels hold, and what they do not ---

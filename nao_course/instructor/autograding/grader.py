@@ -113,13 +113,15 @@ def grade(
 
     def work(assignment: Assignment) -> tuple[SubmissionResult, int]:
         return in_spite_of_the_server(
-            lambda: _grade(submission, assignment, server, stopped, retries, allowances)
+            lambda mine: _grade(submission, assignment, mine, stopped, retries, allowances), server
         )
 
     try:
         result = until_agreed(lambda again: work(assignment.anew() if again else assignment))
     except (Stopped, SandboxError):
         raise
+    except ServerEnded as error:
+        result = refuse(submission, assignment, str(error))
     except Exception as error:
         raise GraderError(
             f"{submission.student}, {submission.lesson}: the grader failed ({type(error).__name__}: {error})"

@@ -11,11 +11,16 @@ from dataclasses import dataclass, field, replace
 from nao_course.exercises.judging.report import ENDS_PYTHON
 from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.sandbox.protocol import Allowance, ServerEnded
+from nao_course.instructor.sandbox.warm_server import WarmServer
 
 SECONDS_OF_A_SUBMISSION = 130.0  # from its first cell to its result, whatever its code asks for
 SECONDS_OF_RECORDED = 10.0  # for finding recorded answers, in the grader's own process
 RETRY_SECONDS = 300.0  # seconds of a run for retries after time-outs, besides one retry of each submission
 MOST_SERVERS = 3  # that may die under one submission
+SERVER_ENDED = (
+    "its code, or a lack of memory, ended the process that starts students' code. "
+    "If it was the memory, grade the submission again with `nao-course regrade`"
+)
 MOST_TRIES = 4  # at a submission whose processes are ended
 
 
@@ -127,9 +132,23 @@ def with_first_report(second: SubmissionResult, first: SubmissionResult) -> Subm
     return replace(second, exercises=tuple(told))
 
 
-def in_spite_of_the_server(work: Callable[[], tuple[SubmissionResult, int]]) -> tuple[SubmissionResult, int]:
-    """Start again if the warm server died, because the submission is probably not the cause."""
-    for _ in range(MOST_SERVERS - 1):
-        with contextlib.suppress(ServerEnded):
-            return work()
-    return work()
+def in_spite_of_the_server(
+    work: Callable[[WarmServer | None], tuple[SubmissionResult, int]], server: WarmServer | None
+) -> tuple[SubmissionResult, int]:
+    """Start again if the warm server died, with a server of the submission's own: another one may have ended it.
+
+    Raises
+    ------
+    ServerEnded
+        If its own server died, too; the message is the reason why it is refused.
+    """
+    try:
+        return work(server)
+    except ServerEnded:
+        if server is None:
+            raise
+    with WarmServer(server.sandbox, server.bounds) as own:
+        for _ in range(MOST_SERVERS - 1):
+            with contextlib.suppress(ServerEnded):
+                return work(own)
+    raise ServerEnded(SERVER_ENDED)

@@ -650,22 +650,27 @@ def test_an_answer_that_the_comparison_falls_over_is_no_usable_answer(marked, mo
     assert result.exercises[0].public == ("90.1 double: its answer could not be read.",)
 
 
-def test_a_lost_server_has_the_submission_graded_again(server, assignment, tmp_path, monkeypatch):
-    real, died = module._grade, []
+def test_a_lost_server_has_the_submission_graded_again_by_one_of_its_own(
+    server, assignment, tmp_path, monkeypatch
+):
+    real, died, used = module._grade, [], []
 
-    def once(*words):
-        if len(died) < 2:
-            died.append(1)
+    def dies(*words):
+        used.append(words[2])
+        if len(used) <= len(died):
             raise ServerEnded("gone")
         return real(*words)
 
-    monkeypatch.setattr(module, "_grade", once)
+    monkeypatch.setattr(module, "_grade", dies)
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
+    died += [1, 1]
     assert grade(Submission("ada", chain.LESSON, path), assignment, server).earned == 7
-    died.clear()
-    monkeypatch.setattr(tries_module, "MOST_SERVERS", 2)
-    with pytest.raises(GraderError, match="gone"):
-        grade(Submission("ada", chain.LESSON, path), assignment, server)
+    assert used[0] is server and used[1] is used[2] is not server
+    assert used[1].process is None and server.process
+    died, used[:] = [1, 1, 1], []
+    result = grade(Submission("ada", chain.LESSON, path), assignment, server)
+    assert (result.status, result.earned, result.reason) == ("refused", 0, tries_module.SERVER_ENDED)
+    assert len(used) == 3
 
 
 def test_grading_can_be_given_up(server, assignment, tmp_path):
