@@ -1,10 +1,10 @@
 """How many hostile submissions the grader withstands at each level of the sandbox that a machine may have.
 
 ``sudo .venv/bin/python -m benchmarks siege`` grades hostile submissions of `tests/attacks` at each level below `full`,
-between two honest ones, as a user without rights who owns all that they may harm: all of those that the layers of the
-sandbox are there for, and every fifth of the others. A submission is withstood if it earns no more than its honest
-points, takes no longer than a submission may take, changes neither its neighbours' points nor their pages, puts no
-hidden number on its page, and leaves no file and no process behind.
+between two ordinary ones, as a user without rights who owns all that they may harm: every submission whose outcome
+depends on the layers of the sandbox, and every fifth of the others. A submission is withstood if it earns no more than
+its stated points, takes no longer than a submission may take, changes neither its neighbours' points nor their pages,
+puts no hidden number on its page, and leaves no file and no process behind.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class Siege:
         """
         try:
             graded = self.place(len(attacks)).run(attacks)
-        except (OSError, ValueError, sqlite3.Error):  # the journal or the submissions are gone
+        except (OSError, ValueError, sqlite3.Error):  # the journal or the submissions are missing
             found, rest = dict.fromkeys((each.name for each in attacks), "journal"), "journal"
         else:
             found = {each.name: broken(graded, each, self.neighbours, self.hidden) for each in attacks}
@@ -135,7 +135,7 @@ def result(found: Mapping[str, Mapping[str, str]]) -> Result:
     """Return what is kept and shown of the laws that were broken, by level and attack."""
     rows = counted(found)
     table = Table(
-        "Hostile submissions that were withstood, of those that were graded",
+        "Hostile submissions that were withstood, of all that were graded",
         ("kind", *found),
         tuple(
             (kind, *(f"{row[level][0]} of {row[level][1]}" for level in found)) for kind, row in rows.items()
@@ -148,5 +148,7 @@ def result(found: Mapping[str, Mapping[str, str]]) -> Result:
 def main() -> Result:
     """Grade the catalogue at each lower level."""
     if os.geteuid() != 0:
-        raise FileNotFoundError("it has to be started by root, who lends the attacks a user without rights")
+        raise FileNotFoundError(
+            "it has to be started by root, because the attacks run as a user without rights"
+        )
     return result({level: measure(level) for level in LEVELS[:-1]})
