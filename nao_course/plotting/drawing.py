@@ -175,7 +175,8 @@ class Table:
         ]
 
         def cell(tag: str, text: str, number: int) -> str:
-            style = f"text-align: {sides[number]}; padding: 0.15em 0.8em"
+            wrap = "; white-space: nowrap" if sides[number] == "right" and tag == "td" else ""
+            style = f"text-align: {sides[number]}; padding: 0.15em 0.8em{wrap}"
             return f'<{tag} style="{style}">{html.escape(text)}</{tag}>'
 
         head = "".join(cell("th", text, number) for number, text in enumerate(self.columns))

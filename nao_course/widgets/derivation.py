@@ -56,7 +56,8 @@ _RIGHT, _WRONG, _PLAIN = (
     "1px solid #999",
 )
 _CSS = """<style>.nao-sheet input { font-family: monospace; }
-.nao-sheet .widget-html-content { line-height: 20px; }</style>"""
+.nao-sheet .widget-html-content { line-height: 20px; }
+.nao-sheet .nao-formula { min-height: 20px; margin: 0 2px; }</style>"""
 
 
 def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
@@ -203,6 +204,7 @@ class DerivationSheet:
         free = {str(each): each for each in sorted({*model.free_symbols, *by}, key=str)}
         self._zero = {str(each) for each in zero}
         self.symbols = {name: symbol for name, symbol in free.items() if name not in self._zero}
+        self._short = set(short or {})
         self.symbols |= short or {}
         rng = np.random.default_rng(len(title))
         drawn = {name: rng.uniform(0.3, 2.4, POINTS) * rng.choice([-1, 1], POINTS) for name in free}
@@ -269,6 +271,18 @@ class DerivationSheet:
             raise ValueError(f"{name} is 0 where this Jacobian is evaluated; set it to 0 in your entry.")
         return expression
 
+    def formula(self, entry: str) -> str:
+        """Return a typed entry as TeX between dollar signs, or an empty text if it cannot be read."""
+        import sympy
+
+        letters = {name: sympy.Symbol(name) for name in (*self.symbols, *self._zero)}
+        deltas = {letter: f"\\Delta {name[1:]}" for name, letter in letters.items() if name in self._short}
+        try:
+            typed = parse(entry, letters)
+        except (ValueError, TypeError, AttributeError, ZeroDivisionError):
+            return ""
+        return f"${sympy.latex(typed, symbol_names=deltas)}$"
+
     def _sympified(self, entry: Any) -> Any:
         """Return an entry that is a number or an expression in the model's symbols."""
         import sympy
@@ -286,8 +300,11 @@ class DerivationSheet:
         import sympy
 
         likely = list(self._likely(*at))
-        finite = entry.xreplace({sympy.zoo: sympy.nan})  # NumPy has no complex infinity
-        compiled = sympy.lambdify(list(self._points), [finite, *(each for _, each in likely)], "numpy")
+        candidates = [entry, *(each for _, each in likely)]
+        finite = [
+            each.xreplace({sympy.zoo: sympy.nan}) for each in candidates
+        ]  # NumPy has no complex infinity
+        compiled = sympy.lambdify(list(self._points), finite, "numpy")
         values = np.array(
             [compiled(*point) for point in zip(*self._points.values(), strict=True)], dtype=complex
         )
@@ -364,13 +381,15 @@ class _SheetView:
             ]
             for row in ([(r, c) for c in range(len(sheet.by))] for r in range(len(sheet.rows)))
         ]
+        self.formulas = [[ipywidgets.HTMLMath() for _ in row] for row in self.fields]
         for field in (field for row in self.fields for field in row):
             field.layout = ipywidgets.Layout(width="auto", border=_PLAIN)
             field.observe(self.check, names="value")
+        cells = [list(map(_stacked, *rows)) for rows in zip(self.fields, self.formulas, strict=True)]
         heads = [ipywidgets.HTML(f"<b>by {escape(name)}</b>") for name in sheet.by]
         lines = [
             [ipywidgets.HTML(f"<b>{escape(name)}</b>"), *row]
-            for name, row in zip(sheet.rows, self.fields, strict=True)
+            for name, row in zip(sheet.rows, cells, strict=True)
         ]
         widest = max(FIELD, SHEET // len(sheet.by))
         layout = ipywidgets.Layout(
@@ -403,9 +422,18 @@ class _SheetView:
             for column, field in enumerate(line):
                 found = marks.get((row, column))
                 field.value = str(table[row][column])
+                self.formulas[row][column].value = self.sheet.formula(field.value)
                 field.layout.border = _PLAIN if found is None else _WRONG if found else _RIGHT
         self._filling = False
         self.said.value = Message(said)._repr_html_()
+
+
+def _stacked(field: Any, formula: Any) -> Any:
+    """Return a field with its formula below it."""
+    import ipywidgets
+
+    formula.add_class("nao-formula")
+    return ipywidgets.VBox([field, formula])
 
 
 @cache  # a cell that is run again shows the same sheet with its entries

@@ -280,7 +280,7 @@ def test_rubric_23_only_cells_that_merely_show_something_are_folded(name):
     for notebook in (student_copy(name), executed(name)):
         for _, cell in lesson_text.code_cells(notebook):
             hidden = cell.metadata.get("jupyter", {}).get("source_hidden", False)
-            assert hidden is (lesson_text.role(cell) == "display"), cell.source
+            assert hidden is (lesson_text.role(cell) in ("setup", "display")), cell.source
 
 
 @each_lesson

@@ -136,6 +136,23 @@ def test_the_fields_are_framed_and_keep_what_is_typed():
     assert "2 of 4 entries are correct" in view.said.value and view.fields[0][1].value == "d*sin(theta)"
 
 
+@pytest.mark.parametrize(
+    ("entry", "shown"),
+    [
+        ("d*sin(theta)", r"$d \sin{\left(\theta \right)}$"),
+        ("-dx/q^2", r"$- \frac{\Delta x}{q^{2}}$"),
+        ("d*", ""),
+        ("", ""),
+    ],
+)
+def test_a_typed_entry_is_shown_as_a_formula_below_its_field(entry, shown):
+    q = sympy.Symbol("q")
+    one = DerivationSheet("F", sympy.Matrix([d * sympy.sin(theta) / q]), [theta], short={"dx": theta - q})
+    assert one._repr_mimebundle_()
+    one._view.fields[0][0].value = entry
+    assert one._view.formulas[0][0].value == shown
+
+
 def test_entries_that_are_written_from_code_stand_in_the_fields_and_are_checked_once(monkeypatch):
     shown = sheet()
     shown._repr_mimebundle_()

@@ -102,6 +102,7 @@ def _with_grading(options: dict[str, Any]) -> NotebookNode:
         metadata["nbgrader"] = _nbgrader(f"check_{value}", grade=True, locked=True) | {"points": 0.0}
     elif value == "setup":
         metadata["nbgrader"] = _nbgrader("setup", locked=True)
+        metadata["jupyter"] = FOLDED
     elif value not in ROLES:
         raise LessonError(f"there is no role {value!r}; there are {' and '.join(ROLES)}")
     elif value == "display":

@@ -261,7 +261,7 @@ def draw_step(
             f"{ends[1]:.3f} was predicted, and the lowest point is at {parts[np.argmin(true)]:.2f} of it"
         )
     curves[0].set_ylabel("χ² / χ² at the start")
-    curves[0].legend(loc="upper left")
+    curves[0].legend(loc="upper left", bbox_to_anchor=(0, -0.2))
     world = drifting_loop(np.radians(drifts[-1]))
     every = relaxed(world, gauss_newton, 3)
     _plot_steps(world, every, map_ax)
@@ -289,7 +289,9 @@ def _plot_steps(world: World, every: Sequence[FloatArray], ax: Axes) -> None:
     )
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal", adjustable="datalim")
-    ax.legend(loc="best")
+    ax.legend(
+        loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=9
+    )  # inside, lines look like paths
 
 
 def first_step_ratio(gauss_newton: GaussNewton, drift: float) -> float:

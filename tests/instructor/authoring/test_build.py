@@ -335,7 +335,7 @@ def test_cells_that_only_show_something_are_folded_and_nothing_of_it_goes_back_i
     for folder in ("notebooks", "solutions"):
         notebook = nbformat.read(course.root / folder / "01_toy.ipynb", as_version=4)
         folded = [lesson_text.role(cell) for cell in notebook.cells if "jupyter" in cell.metadata]
-        assert folded == ["display"]
+        assert folded == ["setup", "display"]
         assert notebook.cells[-1].metadata.jupyter == {"source_hidden": True}
     assert lesson_text.write_lesson(notebook) == course.text("01_toy").read_text()
     notebook.cells[-1].metadata.jupyter["source_hidden"] = False  # opened in JupyterLab: no edit
