@@ -98,6 +98,22 @@ def test_rubric_4_a_lesson_imports_public_names_of_the_students_side(name):
 
 
 @each_lesson
+def test_rubric_4_the_folded_imports_are_announced_and_hide_no_exercise(name):
+    ((_, cell),) = lesson_text.code_cells(solved(name), "setup")
+    assert cell.source.startswith("# Set-up: ")  # the only line of it that JupyterLab shows
+    imported = [
+        alias.asname or alias.name
+        for node in ast.parse(cell.source).body
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for alias in node.names
+    ]
+    exercises = {
+        lesson_text.exercise_name(each) for _, each in lesson_text.code_cells(solved(name), "exercise")
+    }
+    assert "*" not in imported and not exercises & set(imported)
+
+
+@each_lesson
 def test_rubric_5_three_to_nine_exercises_that_say_what_they_want(name):
     cells = lesson_text.code_cells(solved(name), "exercise")
     assert len(cells) == 1 if name[:2] == "00" else 3 <= len(cells) <= 9

@@ -1,0 +1,76 @@
+"""The course's style sheet in a real JupyterLab: figures follow the theme, photographs do not, lines are readable."""
+
+import io
+
+import nbformat
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.browser.lab import wait_for
+
+pytestmark = pytest.mark.browser
+pytest.importorskip("jupyterlab")
+pytest.importorskip("playwright")
+
+DRAWN = "from nao_course import plotting as draw\nfrom nao_course.sim import Field\ndraw.draw_map(Field())"
+PHOTO = """import numpy as np
+draw.draw_picture(np.full((60, 80, 3), (250, 20, 30), np.uint8), title="red")"""
+TEXT = "A robot measures bearings and ranges of landmarks. " * 20
+
+
+@pytest.fixture
+def notebook(lab, page):
+    cells = [nbformat.v4.new_code_cell(DRAWN), nbformat.v4.new_code_cell(PHOTO)]
+    lab.write("look.ipynb")
+    made = nbformat.read(lab.folder / "look.ipynb", as_version=4)
+    made.cells = [nbformat.v4.new_markdown_cell(TEXT), *cells]
+    nbformat.write(made, lab.folder / "look.ipynb")
+    page.set_viewport_size({"width": 1280, "height": 1600})  # an element is photographed with what is over it
+    lab.open(page, "look.ipynb")
+    lab.run_all(page)
+    page.wait_for_selector(".nao-photos img")
+    return page
+
+
+def choose(page, theme):
+    page.evaluate(
+        "theme => window.jupyterapp.commands.execute('apputils:change-theme', {theme}).then(() => null)",
+        f"JupyterLab {theme}",
+    )
+    light = "true" if theme == "Light" else "false"
+    page.wait_for_selector(f'body[data-jp-theme-light="{light}"]', state="attached")
+
+
+def pixels(page, selector):
+    element = page.locator(selector).first
+    element.scroll_into_view_if_needed()
+    with Image.open(io.BytesIO(element.screenshot())) as image:
+        return np.asarray(image.convert("RGB")).astype(int)
+
+
+def test_a_figure_follows_the_theme_without_being_drawn_again_and_a_photograph_stays(notebook):
+    counts = notebook.locator(".jp-InputPrompt").all_inner_texts()
+    seen = {}
+    for theme in ("Light", "Dark", "Light"):
+        choose(notebook, theme)
+        drawn = "() => getComputedStyle(document.querySelector('img.nao-figure')).filter !== 'none'"
+        wait_for(lambda drawn=drawn, theme=theme: notebook.evaluate(drawn) is (theme == "Dark"), theme, 10)
+        seen[theme] = pixels(notebook, "img.nao-figure"), pixels(notebook, ".nao-photos")
+    assert counts == notebook.locator(".jp-InputPrompt").all_inner_texts()
+    for figure in seen["Light"]:
+        assert (figure[4, 4] > 250).all()
+    for figure in seen["Dark"]:
+        assert (figure[4, 4] < 30).all()
+    red = [np.abs(photo - (250, 20, 30)).max(axis=2) < 12 for _, photo in seen.values()]
+    assert red[0].mean() > 0.4
+    assert (red[0] == red[1]).mean() > 0.99
+
+
+def test_a_line_of_text_has_75_to_80_characters(notebook):
+    lines, length = notebook.evaluate(
+        """() => { const p = document.querySelector('.jp-RenderedMarkdown p');
+        const lines = Math.round(p.getBoundingClientRect().height / parseFloat(getComputedStyle(p).lineHeight));
+        return [lines, p.textContent.length]; }"""
+    )
+    assert 72 <= length / lines <= 82
