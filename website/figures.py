@@ -11,9 +11,12 @@ from nao_course.films import film_html, recorded_film
 __all__ = ["add_figures", "add_films"]
 
 SHOWN = ("display", "example", "payoff")  # roles of the cells that draw something and hold no solution
-_PICTURE = re.compile(
+_IMAGE = (
     r'<img(?: class="[\w -]+")? alt="[^"<>]*"[^<>]* src="data:image/(?:png|jpeg);base64,[A-Za-z0-9+/=]+">'
 )
+# On a dark page, what is around the photographs of a figure is inverted.
+_AROUND = r'<span class="nao-around" style="clip-path: polygon\([a-z0-9.,% ]+\)"></span>'
+_PICTURE = re.compile(rf'<div class="nao-photos">{_IMAGE}{_AROUND}</div>|{_IMAGE}')
 # The film of a lesson stands below the figure, if there is one, of the first cell with this line.
 FILMS: Mapping[str, Mapping[str, str]] = {
     "07_ekf_slam": {"FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},

@@ -36,6 +36,9 @@ def shown(student_cell, solved_cell):
 def test_a_figure_is_shown_where_the_cells_are_the_same():
     named = PICTURE.replace("<img ", '<img class="nao-figure" ')
     assert shown(cell(), cell(outputs=[output(named)]))[0]["data"] == {"text/html": named}
+    around = '<span class="nao-around" style="clip-path: polygon(evenodd, 0.00% 9.50%)"></span>'
+    photos = f'<div class="nao-photos">{PICTURE}{around}</div>'
+    assert shown(cell(), cell(outputs=[output(photos)]))[0]["data"] == {"text/html": photos}
     [found] = shown(cell(), cell(outputs=[output(PICTURE)]))
     assert found == {"output_type": "display_data", "data": {"text/html": PICTURE}, "metadata": {}}
 
