@@ -121,7 +121,7 @@ def not_dumpable() -> None:
 
 
 def close_keyring() -> None:
-    """Replace the session's keyring of this process with one that nobody may look into or add to."""
+    """Give this process an empty session keyring, which nobody may look into or add to."""
     if number := _KEYCTL.get(os.uname().machine):
         keyring = _checked(_libc.syscall(number, _JOIN_SESSION_KEYRING, None), "new keyring")
         _checked(_libc.syscall(number, _SET_PERMISSIONS, keyring, 0), "permissions of a keyring")
