@@ -1,4 +1,4 @@
-"""The committed bundles of the widgets' scripts are those of the sources in web/, and need nothing from elsewhere."""
+"""The committed bundles of the widgets' scripts match the sources in web/, and load nothing from elsewhere."""
 
 import hashlib
 import re
@@ -13,7 +13,7 @@ BUNDLES = {"world": PROJECT / "nao_course" / "widgets" / "world" / "static" / "w
 
 
 def fingerprint(web: Path, folder: str) -> str:
-    """The hash that web/bundle.mjs writes into the first line of a bundle."""
+    """Return the hash that web/bundle.mjs writes into the first line of a bundle."""
     names = [f"{folder}/{path.name}" for path in sorted((web / folder).iterdir())]
     digest = hashlib.sha256()
     for name in [*names, "bundle.mjs", "package-lock.json"]:

@@ -193,7 +193,7 @@ def test_where_no_widget_lives_there_is_a_picture_with_a_text(world):
 
 
 def pixel_of(world, point):
-    """Where a point in space is in the finished picture."""
+    """Return the row and column of a point in space in the finished picture."""
     width, height = world.size
     canvas = Canvas(viewer(world.contents, world.viewpoint), (2 * width, 2 * height))
     u, v, _ = canvas.project(np.array(point, dtype=float)) / 2
