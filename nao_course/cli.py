@@ -298,7 +298,8 @@ def grade(
     lesson: list[str] = typer.Option(
         [], help="Number of a lesson; by default all lessons that were handed in."
     ),
-    jobs: int = typer.Option(os.cpu_count() or 2, min=1, help="Submissions at a time."),
+    # One more than there are processors, because a submission waits while its process starts and ends.
+    jobs: int = typer.Option((os.cpu_count() or 2) + 1, min=1, help="Submissions at a time."),
     require_sandbox: str = typer.Option("", metavar="LEVEL", help="Refuse to run below this level."),
 ) -> None:
     """Grade new and changed submissions (instructors). The status is 0 if each has a score or a reason."""

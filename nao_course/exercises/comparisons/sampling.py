@@ -108,14 +108,13 @@ class Sampled(Comparison):
             answer can look like this itself.
         """
         (drawn_there,) = answers
-        if isinstance(drawn_there, np.ndarray) and drawn_there.dtype == float and drawn_there.ndim == 1:
-            drawn_there = drawn_there.tolist()
-        if not isinstance(drawn_there, list) or len(drawn_there) < 2:
+        row = isinstance(drawn_there, np.ndarray) and drawn_there.dtype == float and drawn_there.ndim == 1
+        if not (row or isinstance(drawn_there, list)) or len(drawn_there) < 2:
             return {"other": "not a list of answers"}
-        other = next((each for each in drawn_there if not _is_number(each)), 0.0)
+        other = 0.0 if row else next((each for each in drawn_there if not _is_number(each)), 0.0)
         if not _is_number(other):
             return {"other": "" if other is None else with_article(other)}
-        numbers = np.array([float(each) for each in drawn_there])
+        numbers = drawn_there if row else np.array([float(each) for each in drawn_there])
         again = min(len(numbers) // 2, _REPEATED)
         drawn = numbers[: len(numbers) - again]
         same = bool((drawn[:again] == numbers[len(drawn) :]).all())

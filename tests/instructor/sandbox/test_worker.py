@@ -302,6 +302,20 @@ def test_what_is_expected_is_never_sent(running, monkeypatch):
     assert b"telling" not in sent[0]
 
 
+@pytest.mark.parametrize(("first", "processes"), [("x = 1", 1), ("import os\nx = os._exit(5)", 3)])
+def test_statements_are_announced_only_after_one_has_ended_a_process(
+    tmp_path, server, monkeypatch, first, processes
+):
+    said = []
+    receive = module.Channel.receive
+    monkeypatch.setattr(module.Channel, "receive", lambda self: said.append(receive(self)) or said[-1])
+    path = toy.write(tmp_path / "own.ipynb", first, "def f(x): return x")
+    with Worker(path, server=server) as worker:
+        assert worker.call("f", ONE).status == "value"
+    assert said.count("ready") == processes
+    assert any(each[:1] == ("at",) for each in said) == (processes > 1)
+
+
 def test_the_environment_is_scrubbed_and_single_threaded(running, monkeypatch, notebook, server):
     monkeypatch.setenv("A_SECRET", "1")
     with Worker(notebook, server=server) as worker:
