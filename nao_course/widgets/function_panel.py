@@ -325,10 +325,10 @@ class FunctionPanel:
     def _say_status(self) -> str:
         latest, values = self._latest, self.say_values()
         if self._refused:
-            return status_box(self._refused, values, alarm=True)
+            return status_box(self._refused, values, kind="alarm")
         if not latest.done:
             where = latest.error is not None and not latest.unfinished
-            return status_box(latest.message, values, alarm=True, shows_where=where, printed=latest.printed)
+            return status_box(latest.message, values, kind="alarm", shows_where=where, printed=latest.printed)
         texts = "\n".join(self._shown.texts)
         return status_box(texts or values, self.say_pace(self._student.seconds), printed=latest.printed)
 

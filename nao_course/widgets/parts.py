@@ -6,7 +6,7 @@ import asyncio
 import html
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import anywidget
 import cv2
@@ -17,6 +17,8 @@ import traitlets
 
 from nao_course.exercises.asking import styles_that_keep_keys
 from nao_course.plotting import Drawing
+
+StatusKind = Literal["", "alarm", "finish"]
 
 PERIOD = 0.05  # s between two frames: at 20 Hz a notebook drops no frame
 BREATH = 0.01  # s that every frame leaves for buttons and sliders
@@ -73,21 +75,21 @@ class LabelledImage(anywidget.AnyWidget):
     format : str
         Its kind, such as "jpeg".
     alt : str
-        The text alternative; by default the tooltip.
+        The text alternative. A tooltip would need a description, without which ipywidgets shows no picture.
     """
 
     _esm = """
     export default { render({ model, el }) {
       const image = document.createElement("img");
       let url = "";
-      const name = () => { image.alt = model.get("alt") || model.get("tooltip") || ""; };
+      const name = () => { image.alt = model.get("alt"); };
       const show = () => {
         const before = url;
         url = URL.createObjectURL(new Blob([model.get("value")], { type: `image/${model.get("format")}` }));
         image.src = url;
         URL.revokeObjectURL(before);
       };
-      model.on("change:alt change:tooltip", name);
+      model.on("change:alt", name);
       model.on("change:value", show);
       name();
       show();
@@ -150,9 +152,9 @@ def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]
     return {**shown, "text/plain": text, "text/html": drawing.html(alt)}
 
 
-def styles(own: str) -> Any:
-    """Return the common and the own styles of a panel, and scripts that confine its keys and name its sliders."""
-    return ipywidgets.HTML(styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES))
+def styles(own: str, *scripts: str) -> Any:
+    """Return the common and own styles of a panel, and scripts: they confine keys and name sliders."""
+    return ipywidgets.HTML(styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES, *scripts))
 
 
 def html_line(text: str, name: str) -> Any:
@@ -173,7 +175,7 @@ def status_box(
     message: str,
     facts: str,
     *,
-    alarm: bool = False,
+    kind: StatusKind = "",
     shows_where: bool = False,
     printed: str = "",
     board: str = "",
@@ -184,8 +186,8 @@ def status_box(
     ----------
     message, facts, printed : str
         The latest message, the present state, and the text that the student's code printed.
-    alarm : bool
-        Whether the message reports an error.
+    kind : "", "alarm" or "finish"
+        Whether the message reports an error, or that everything is complete.
     shows_where : bool
         Whether to add that ``raise panel.error`` shows the line of the error.
     board : str
@@ -197,10 +199,11 @@ def status_box(
     if printed.strip():
         words += f'<pre class="nao-printed">{html.escape(printed.rstrip())}</pre>'
     shown = f'<div class="nao-board">{html.escape(board)}</div>' if board else ""
+    shown += f'<div class="nao-facts">{html.escape(facts)}</div>' if facts else ""
     return (
-        f'<div class="nao-status {"nao-alarm" if alarm else ""}">'
+        f'<div class="nao-status{f" nao-{kind}" if kind else ""}">'
         f'<div role="status" aria-live="polite">{words}</div>'
-        f'{shown}<div class="nao-facts">{html.escape(facts)}</div></div>'
+        f"{shown}</div>"
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.field_slam.drives import INSIDE
-from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.lessons.beyond import exploring
 from nao_course.lessons.beyond.exploring import FREE, OCCUPIED, UNKNOWN, Cell, as_mask, as_steps, way_back
 from nao_course.lessons.beyond.planning import STEP, options
@@ -124,12 +124,13 @@ def _explore(student: StudentCode, nao: SimulatedNao) -> StageFunction:
         return Overlay(
             result=motion,
             pixels=seen.pixels,
-            points=Pose.from_array(slam.state[:3]).to_local(ends) if len(ends) else ends,
             text=f"{explorer.part:.0%} seen, {say_count(len(slam.known), 'landmark')} on the map, "
             f"standard deviation {position_sigma(slam):.2f} m; {explorer.why if motion else 'everything is seen'}"
             + ("; the map shows the estimate of lesson 11" if by_pictures else ""),
             estimate=None if by_pictures else place_estimate(slam.estimate(kinds), nao.field.pose),
             motion=motion,
+            cells=nao.field.pose.to_parent(ends) if len(ends) else ends,
+            finish="" if motion else "The whole field is seen",
         )
 
     return show

@@ -12,12 +12,12 @@ import numpy.typing as npt
 from matplotlib.colors import to_rgb
 
 from nao_course.geometry import FloatArray, Pose, as_points
+from nao_course.lessons.distance.live_map import POINT_MARKER, LiveMap
 from nao_course.lessons.distance.looks import MarkedPicture, look_around, points_covariance
 from nao_course.plotting import LANDMARK_MARKERS, STYLES, table
 from nao_course.sim import CameraView, Field, Reality, TorsoTilt
 from nao_course.slam import Estimate, LandmarkKind
 from nao_course.widgets import FunctionPanel, Pixel, Slider
-from nao_course.widgets.control_panel.live_map import POINT_MARKER, LiveMap
 from nao_course.widgets.vector_map import MapContents
 
 POSE = Pose(0.75, 0.25, -0.05)

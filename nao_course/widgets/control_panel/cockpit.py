@@ -87,6 +87,10 @@ class Cockpit:
         Pictures that `take_picture` kept, the newest last.
     frames : int
         Number of all pictures taken, including live ones.
+    moves : int
+        Number of motions that were begun.
+    walked : float
+        Commanded length of all paths, m.
     message : str
         The latest message.
     printed : str
@@ -120,7 +124,8 @@ class Cockpit:
         self.seen: tuple[Measurement, ...] = ()
         self.pictures: dict[str, Picture] = {}
         self.album: deque[Picture] = deque(maxlen=KEPT_PICTURES)
-        self.frames = 0
+        self.frames = self.moves = 0
+        self.walked = 0.0
         self.message = ""
         self.printed = ""
         self.alarm = False
@@ -143,6 +148,7 @@ class Cockpit:
             Whether the student's code succeeded; the robot has moved in any case.
         """
         done = self.nao.walk(motion.distance) if motion.distance else self.nao.turn(motion.turn)
+        self.walked += abs(motion.distance)
         self.odometry.append(self.start @ self.nao.odometry)
         self.seen = NOTHING
         if self.slam is None:

@@ -1,4 +1,4 @@
-"""The control panel's widgets: cameras, map, buttons and menus. The panel defines what each button does."""
+"""The control panel's widgets: cameras, map, numbers, buttons and menus. The panel defines what each button does."""
 
 from __future__ import annotations
 
@@ -29,38 +29,94 @@ KEYS = {
     "look-ahead": ("h",),
     "picture": (" ",),
     "slam": ("m",),
+    "camera": ("c",),
+    "more": ("o",),
 }
 VIEW_KEYS = {"view": ("v",)}  # only if functions of the student are ready
 ITSELF_KEYS = {"itself": ("g",)}  # only if the student's code chooses motions
-_KEY_WORDS = "Keyboard: click here, then W A S D or arrows walk, I J K L turn the head, space takes a picture"
-_MORE_KEY_WORDS = ", M measures, X stops, H looks ahead"
+_KEY_WORDS = (
+    "Keyboard: W A S D or arrows walk, I J K L turn the head, space takes a picture, M measures, X stops"
+)
+_MORE_KEY_WORDS = ", H looks ahead, C changes the camera"
 _VIEW_KEY_WORDS = ", V changes the view"
 _ITSELF_KEY_WORDS = ", G lets the robot go by itself"
-_KEY_HINT = "Click here, type WASD, IJKL"
+_MORE = "Settings and details"
+_KEY_HINT = "Click anywhere: W A S D, I J K L"
 
 _CSS = """
-.nao-panel .nao-main { gap: 10px; align-items: flex-start; overflow: visible; }
-.nao-panel .nao-left { flex: 1 1 520px; min-width: 0; max-width: 640px; gap: 6px; overflow: visible; }
-.nao-panel .nao-cameras { gap: 8px; }
-.nao-panel .nao-camera { flex: 1 1 0; min-width: 0; }
-.nao-panel .nao-camera img { width: 100%; height: auto; aspect-ratio: 4 / 3; object-fit: fill; border-radius: 4px;
-  box-sizing: border-box; border: 3px solid transparent; margin: 0; }
-.nao-panel .nao-chosen img { border-color: #0b5fa5; }
-.nao-panel .nao-controls { gap: 8px; flex-wrap: wrap; overflow: visible; }
-.nao-panel .nao-pad { display: grid; grid-template-columns: repeat(3, 62px); gap: 3px; overflow: visible; }
-.nao-panel .nao-pad button, .nao-panel .nao-actions button { margin: 0; width: auto; padding: 0 4px; }
-.nao-panel .nao-pad button { height: 28px; line-height: 28px; font-size: 12px; }
-.nao-panel .nao-settings { gap: 3px; overflow: visible; }
-.nao-panel .nao-settings .widget-dropdown { width: 172px; margin: 0; }
-.nao-panel .nao-settings .widget-label { min-width: 54px; width: 54px; }
-.nao-panel .nao-actions { gap: 6px; align-items: center; flex-wrap: wrap; overflow: visible; }
-.nao-panel .nao-actions .widget-html, .nao-panel .nao-actions .widget-checkbox { margin: 0; }
-.nao-panel .nao-actions .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
-.nao-panel .nao-camera .nao-caption .widget-html-content { white-space: nowrap; overflow: hidden;
+.nao-cockpit { container-type: inline-size; width: 100%; max-width: 1000px; padding: 2px 4px; box-sizing: border-box; }
+.nao-cockpit .nao-main { display: grid; grid-template: "numbers" "left" "right" / minmax(0, 480px); gap: 6px 12px;
+  align-items: start; overflow: visible; margin: 0; }
+.nao-cockpit .nao-left { grid-area: left; gap: 6px; overflow: visible; margin: 0; }
+.nao-cockpit .nao-right { grid-area: right; gap: 6px; overflow: visible; margin: 0; }
+@container (min-width: 800px) {
+  .nao-cockpit .nao-main { grid-template: "left numbers" auto "left right" 1fr / 480px minmax(0, 1fr); }
+}
+.nao-cockpit .nao-cameras { position: relative; overflow: visible; display: block; }
+.nao-cockpit .nao-camera { margin: 0; overflow: visible; }
+.nao-cockpit .nao-camera img { width: 100%; height: auto; aspect-ratio: 4 / 3; object-fit: fill; border-radius: 4px;
+  box-sizing: border-box; margin: 0; display: block; }
+.nao-cockpit .nao-camera:not(.nao-chosen) { position: absolute; z-index: 1; left: 8px; bottom: 8px; width: 30%;
+  cursor: pointer; border: 2px solid #fff; border-radius: 5px; background: #1f2430; box-shadow: 0 1px 6px #0008; }
+.nao-cockpit .nao-camera:not(.nao-chosen) img { border-radius: 0 0 3px 3px; }
+.nao-cockpit .nao-camera:not(.nao-chosen) .nao-caption { font-size: 11px; color: #fff; padding: 0 4px; height: 18px; }
+.nao-cockpit .nao-camera:not(.nao-chosen) .nao-caption .widget-html-content { color: #fff; font-size: 11px; }
+.nao-cockpit .nao-camera .nao-caption .widget-html-content { white-space: nowrap; overflow: hidden;
   text-overflow: ellipsis; }
-.nao-panel .nao-ready { margin: 0 0 4px 0; line-height: 18px; }
-.nao-panel .nao-map { flex: 0 0 auto; margin: 0; }
+.nao-cockpit .nao-controls { gap: 6px 8px; flex-wrap: wrap; justify-content: space-between; overflow: visible; }
+.nao-cockpit .nao-group { overflow: visible; }
+.nao-cockpit .nao-pad { display: grid; grid-template-columns: repeat(3, 54px); gap: 3px; overflow: visible; }
+.nao-cockpit .nao-pad button { height: 28px; line-height: 28px; font-size: 12px; margin: 0; width: auto;
+  padding: 0 2px; }
+.nao-cockpit .nao-actions { gap: 3px; flex: 1 1 100px; max-width: 160px; overflow: visible;
+  justify-content: flex-end; }
+.nao-cockpit .nao-actions button { margin: 0; width: 100%; height: 28px; line-height: 28px; padding: 0 4px;
+  font-size: 12px; }
+.nao-cockpit .nao-do-itself { font-weight: 600; }
+.nao-cockpit .nao-below-map { gap: 8px; align-items: center; overflow: visible; }
+.nao-cockpit .nao-below-map .widget-html, .nao-cockpit .nao-below-map .widget-checkbox { margin: 0; }
+.nao-cockpit .nao-below-map .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
+.nao-cockpit .nao-settings { gap: 3px 14px; flex-wrap: wrap; overflow: visible; }
+.nao-cockpit .nao-settings .widget-dropdown { width: 172px; margin: 0; }
+.nao-cockpit .nao-settings .widget-label { min-width: 54px; width: 54px; }
+.nao-cockpit .nao-ready { margin: 0; overflow: visible; }
+.nao-cockpit .nao-ready .widget-html-content { min-width: 0; line-height: 18px; font-size: 12px; }
+.nao-cockpit .nao-ready p { margin: 0; white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+.nao-cockpit .nao-right .nao-map-legend { gap: 0 10px; padding: 2px 0; font-size: 11px; line-height: 16px; }
+.nao-cockpit .nao-right .nao-map-legend canvas { transform: scale(0.85); margin: 0 -3px; }
+.nao-cockpit .nao-numbers { grid-area: numbers; margin: 0; }
+.nao-cockpit .nao-numbers .widget-html-content { display: flex; gap: 6px; }
+.nao-cockpit .nao-tile { flex: 1 1 0; min-width: 0; padding: 3px 6px; border-top: 3px solid #0b5fa5;
+  border-radius: 4px; background: var(--jp-layout-color2, #eee); line-height: 16px; font-size: 12px; }
+.nao-cockpit .nao-tile b { display: block; font-size: 18px; line-height: 24px; font-variant-numeric: tabular-nums;
+  white-space: nowrap; letter-spacing: -0.3px; }
+.nao-cockpit .nao-tile small { display: block; font-size: 11px; line-height: 13px; min-height: 26px; }
+.nao-cockpit .nao-good { border-top-color: #1f9d61; }
+.nao-cockpit .nao-bad { border-top-color: #d9480f; }
+.nao-cockpit .nao-status { min-height: 22px; padding: 2px 8px; }
+.nao-cockpit .nao-finish { border-left-color: #1f9d61; font-size: 17px; font-weight: 600; line-height: 26px; }
+.nao-cockpit .nao-board { font-size: 12px; }
+.nao-cockpit .nao-more { margin: 0; }
+.nao-cockpit .nao-more .jupyter-widget-Collapse-header { padding: 1px 8px; }
+.nao-cockpit .nao-facts { font-size: 12px; line-height: 18px; }
+.nao-cockpit .nao-facts ul { margin: 4px 0; padding-left: 18px; }
 """
+
+# A click in the panel gives the keys to its key field, unless it opens a menu or selects text. A menu that was changed
+# with the mouse gives them back. A click on the small picture chooses its camera.
+_KEYS_AFTER_A_CLICK = """const panel = this.closest('.nao-panel');
+if (!panel || panel.naoClicks) return;
+panel.naoClicks = true;
+const take = () => { if (getSelection().isCollapsed) panel.querySelector('.nao-keys')?.focus({preventScroll: true}); };
+let mouse = false;
+panel.addEventListener('pointerdown', () => { mouse = true; });
+panel.addEventListener('keydown', () => { mouse = false; });
+panel.addEventListener('click', event => {
+  if (!event.detail) return;
+  if (event.target.closest('.nao-camera:not(.nao-chosen)')) panel.querySelector('.nao-do-camera')?.click();
+  if (!event.target.closest('select, a, pre')) setTimeout(take);
+});
+panel.addEventListener('change', () => { if (mouse) setTimeout(take); });"""
 
 
 class Controls:
@@ -70,6 +126,8 @@ class Controls:
     ----------
     actions : mapping of str to callable
         Action of each button, by the names in `KEYS`.
+    map_widget : ipywidgets.Widget
+        The map.
     has_slam, has_truth : bool
         Whether the panel has a SLAM algorithm, and a truth to show.
     show_truth : bool
@@ -89,8 +147,8 @@ class Controls:
         The settings: a camera, pixels (width, height), metres, degrees, and whether the map shows the truth.
     images, captions : dict of str to widget
         Widgets of each camera.
-    map, status : widgets with a value
-        The map as a PNG file, and the status as HTML.
+    numbers, status, facts : widgets with a value
+        HTML of the three numbers, of the latest message, and of everything else.
     view : ipywidgets.Button or None
         Button whose label is the present view.
     """
@@ -99,6 +157,7 @@ class Controls:
         self,
         actions: Mapping[str, Callable[[], object]],
         *,
+        map_widget: Any,
         has_slam: bool,
         has_truth: bool,
         show_truth: bool,
@@ -107,31 +166,35 @@ class Controls:
         drives: bool = False,
     ) -> None:
         """Build the widgets."""
-        self._actions = actions
+        self._actions = {**actions, "more": self._show_more, "camera": self._other_camera}
         self._keys = {**KEYS, **(VIEW_KEYS if has_views else {}), **(ITSELF_KEYS if drives else {})}
         self._controls: list[Any] = []
-        self.status = ipywidgets.HTML()
-        self.images = {
-            camera: _image(camera, "jpeg", f"Live picture of the {camera} camera") for camera in CAMERAS
-        }
+        self.numbers, self.status, self.facts = (
+            html_line("", "nao-numbers"),
+            ipywidgets.HTML(),
+            ipywidgets.HTML(),
+        )
+        self.images = {camera: _image(camera) for camera in CAMERAS}
         self.captions = {camera: html_line("", "nao-caption") for camera in CAMERAS}
-        self.map = _image("map", "png", "Map of the field from above; the text beside it describes it")
-        self.map.add_class("nao-map")
         self._camera_boxes = {
             camera: box("V", "nao-camera", self.captions[camera], self.images[camera]) for camera in CAMERAS
         }
+        settings = self._settings()
+        self._more = box("V", "nao-folded", settings, self.facts)
+        self._more.layout.display = "none"
+        actions_box = self._action_buttons(has_slam)
         left = box(
             "V",
             "nao-left",
-            box("H", "nao-cameras", *self._camera_boxes.values()),
-            box("H", "nao-controls", self._drive_pad(), self._head_pad(), self._settings()),
-            self._last_row(has_slam, has_truth, show_truth),
-            self.status,
+            box("", "nao-cameras", *self._camera_boxes.values()),
+            box("H", "nao-controls", self._drive_pad(), self._head_pad(), actions_box),
         )
-        main = box("H", "nao-main", left, self.map)
-        main.layout.flex_flow = "row wrap"
+        right = box("V", "nao-right", map_widget, self._below_map(has_truth, show_truth))
+        main = box("", "nao-main", self.numbers, left, right)
         above = [html_line(heading, "nao-ready")] if heading else []
-        self.widget = box("V", "nao-panel", styles(_CSS), *above, main)
+        css = styles(_CSS, _KEYS_AFTER_A_CLICK)
+        self.widget = box("V", "nao-panel", css, *above, main, self.status, self._more_button, self._more)
+        self.widget.add_class("nao-cockpit")
         self.camera.observe(lambda change: self._mark_camera(), "value")
         self._mark_camera()
 
@@ -170,11 +233,11 @@ class Controls:
             self._button("look-up", "▲ Up", "Look up by 5 degrees"),
             gap,
             self._button("look-left", "◀ Left", "Turn the head 10 degrees to the left"),
-            self._button("look-ahead", "● Ahead", "Turn the head back to where it began"),
+            self._button("look-ahead", "Ahead", "Turn the head back to where it began"),
             self._button("look-right", "Right ▶", "Turn the head 10 degrees to the right"),
             gap,
             self._button("look-down", "▼ Down", "Look down by 5 degrees"),
-            gap,
+            self._button("camera", "Camera", "Change to the robot's other camera"),
         ]
         return box("V", "nao-group", html_line("Head", "nao-heading"), box("", "nao-pad", *pad))
 
@@ -186,7 +249,12 @@ class Controls:
         )
         self.step = self._choice("Step", list(STEPS.items()), 0.2, "How far one press walks")
         self.turn = self._choice("Turn", list(TURNS.items()), 15.0, "How far one press turns")
-        return box("V", "nao-settings", self.camera, self.size, self.step, self.turn)
+        self._more_button = self._button(
+            "more", _MORE, "Show or hide the settings and all details", "caret-right"
+        )
+        self._more_button.layout.width = "auto"
+        self._more_button.add_class("nao-more")
+        return box("H", "nao-settings", self.camera, self.size, self.step, self.turn)
 
     def _choice(self, label: str, options: list[tuple[str, Any]], value: Any, tooltip: str) -> Any:
         choice = ipywidgets.Dropdown(description=label, options=options, value=value)
@@ -194,8 +262,22 @@ class Controls:
         self._controls.append(choice)
         return choice
 
-    def _last_row(self, has_slam: bool, has_truth: bool, show_truth: bool) -> Any:
+    def _action_buttons(self, has_slam: bool) -> Any:
+        has_views, drives = "view" in self._keys, "itself" in self._keys
         measure = "Measure landmarks from here" + (" and give them to your SLAM" if has_slam else "")
+        tooltip = "Show your code's view of the picture over it, beside it, or not at all"
+        go = "Let your code choose where the robot goes, until you press Stop"
+        self.view = self._button("view", "View", tooltip, "eye") if has_views else None
+        return box(
+            "V",
+            "nao-actions",
+            *([self._button("itself", "By itself", go, "play")] if drives else []),
+            *([self.view] if has_views else []),
+            self._button("slam", "Run SLAM" if has_slam else "Measure", measure, "crosshairs"),
+            self._button("picture", "Take picture", "Take a picture and keep it", "camera"),
+        )
+
+    def _below_map(self, has_truth: bool, show_truth: bool) -> Any:
         self.show_truth = ipywidgets.Checkbox(
             value=show_truth and has_truth, description="Show the truth", indent=False, disabled=not has_truth
         )
@@ -209,30 +291,27 @@ class Controls:
         more = (
             _MORE_KEY_WORDS + (_VIEW_KEY_WORDS if has_views else "") + (_ITSELF_KEY_WORDS if drives else "")
         )
-        keys = ipywidgets.HTML(
-            key_field(self._keys, _KEY_WORDS, more, hint, once=("picture", "slam", "view", "itself"))
-        )
-        keys.layout.flex = "1 1 200px"
-        tooltip = "Show your code's view of the picture over it, beside it, or not at all"
-        self.view = self._button("view", "View", tooltip, "eye") if has_views else None
-        go = "Let your code choose where the robot goes, until you press Stop"
-        return box(
-            "H",
-            "nao-actions",
-            *([self._button("itself", "By itself", go, "play")] if drives else []),
-            self._button("picture", "Take picture", "Take a picture and keep it", "camera"),
-            self._button("slam", "Run SLAM" if has_slam else "Measure", measure, "crosshairs"),
-            *([self.view] if has_views else []),
-            self.show_truth,
-            keys,
-        )
+        once = ("picture", "slam", "view", "itself", "camera", "more")
+        keys = ipywidgets.HTML(key_field(self._keys, _KEY_WORDS, more, hint, once=once))
+        keys.layout.flex = "1 1 180px"
+        return box("H", "nao-below-map", keys, self.show_truth)
+
+    def _show_more(self) -> None:
+        """Show the settings and the details, or hide them."""
+        hidden = self._more.layout.display == "none"
+        self._more.layout.display = "" if hidden else "none"
+        self._more_button.icon = "caret-down" if hidden else "caret-right"
+
+    def _other_camera(self) -> None:
+        """Choose the camera that is not chosen."""
+        self.camera.value = next(each for each in CAMERAS if each != self.camera.value)
 
     def _mark_camera(self) -> None:
         for camera, shown in self._camera_boxes.items():
             (shown.add_class if camera == self.camera.value else shown.remove_class)("nao-chosen")
 
 
-def _image(name: str, kind: str, tooltip: str) -> Any:
-    image = LabelledImage(format=kind, tooltip=tooltip)
-    image.add_class(f"nao-image-{name}")
+def _image(camera: str) -> Any:
+    image = LabelledImage(format="jpeg", alt=f"Live picture of the {camera} camera")
+    image.add_class(f"nao-image-{camera}")
     return image

@@ -9,7 +9,9 @@ from collections.abc import Callable, Iterator
 from nao_course.slam import Motion
 from nao_course.widgets.control_panel.cockpit import Cockpit, small_steps
 from nao_course.widgets.control_panel.waiting import WaitingMotions, in_words
-from nao_course.widgets.parts import BREATH, PERIOD
+from nao_course.widgets.parts import BREATH
+
+PERIOD = 0.04  # s between two steps of a drive: 25 pictures a second
 
 
 class MotionRunner:
@@ -124,6 +126,7 @@ class MotionRunner:
 
     def _steps(self, motion: Motion) -> Iterator[None]:
         """Run a motion step by step, with new pictures and a new map after each step; end if `slam` fails."""
+        self._cockpit.moves += 1
         self._cockpit.say(f"{in_words(motion)} …")
         self._cockpit.printed = ""
         for part in small_steps(motion):

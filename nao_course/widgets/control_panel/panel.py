@@ -22,6 +22,7 @@ from nao_course.widgets.control_panel.pipeline import Pipeline, View
 from nao_course.widgets.control_panel.screen import Screen
 from nao_course.widgets.control_panel.student_view import StudentView
 from nao_course.widgets.parts import bundle
+from nao_course.widgets.vector_map import VectorMap
 
 HEAD_YAW, HEAD_PITCH = float(np.radians(10)), float(np.radians(5))  # rad for one press
 
@@ -98,18 +99,26 @@ class ControlPanel:
         self.cockpit = Cockpit(nao, truth, slam, measure, start, frame, time_limit)
         self._own = StudentView(pipeline)
         self._first_head = nao.head
+        names = self.cockpit.names(source, self._own.estimates)
+        field_map = VectorMap(nao.field, names, tallest=350)
         self._controls = Controls(
             {name: partial(self._guarded, action) for name, action in self._actions().items()},
+            map_widget=field_map.widget,
             has_slam=slam is not None,
             has_truth=truth is not None,
             show_truth=show_truth is None or bool(show_truth),
-            heading="<br>".join(html.escape(f"{each[:1].upper()}{each[1:]}") for each in self._own.ready()),
+            heading="".join(_line(each) for each in self._own.heading()),
             has_views=self._own.available,
             drives=self._own.drives,
         )
-        names = self.cockpit.names(source, self._own.estimates)
         self._screen = Screen(
-            self.cockpit, self._controls, self._own, names, source, lambda: self._drive.waiting_text()
+            self.cockpit,
+            self._controls,
+            self._own,
+            field_map,
+            names,
+            source,
+            lambda: self._drive.waiting_text(),
         )
         self._drive = MotionRunner(
             self.cockpit, lambda: self._own.seen.motion, self._screen.refresh, self._screen.show_status
@@ -324,3 +333,8 @@ class ControlPanel:
 
     def _next_view(self) -> None:
         self.view = self._own.next_view
+
+
+def _line(text: str) -> str:
+    """Return a line of HTML that is cut where the panel ends; its tooltip is the whole text."""
+    return f'<p title="{html.escape(text)}">{html.escape(text)}</p>'

@@ -6,6 +6,7 @@ draws the stages' results over the picture and their points on the map. An error
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -27,12 +28,15 @@ Pixels = npt.NDArray[np.uint8]
 View = Literal["picture", "over", "beside"]
 
 VIEWS: Mapping[View, str] = MappingProxyType(
-    {"picture": "View: picture", "over": "View: yours over it", "beside": "View: yours beside"}
+    {"picture": "View: picture", "over": "View: over it", "beside": "View: beside"}
 )
 PICTURE_LIMIT = (
     3.0  # s for one stage and one picture: about a hundred times as long as the labels of lesson 01
 )
-SLOW = 0.1  # s for one picture; the panel warns if the student's code takes longer
+SLOW = 0.25  # s for one picture; the panel warns if the student's code takes longer
+JUDGED = (
+    5  # latest pictures whose median run time is judged: the first picture calibrates, and others may be slow
+)
 _NONE = np.empty((0, 2))
 _STRENGTH = 0.6  # opacity of an image that is laid over the picture
 _MARK = tuple(round(255 * each) for each in to_rgb("#ff3b81"))
@@ -60,6 +64,10 @@ class Overlay:
         Estimate of the robot's pose in world coordinates, for the map.
     motion : Motion, optional
         The next motion of the robot while it drives by itself.
+    cells : array_like, shape (N, 2)
+        Centres of grid cells in world coordinates, m, to mark on the map: frontiers.
+    finish : str
+        What is complete, if no motion is left: "The whole field is seen".
 
     Raises
     ------
@@ -75,10 +83,12 @@ class Overlay:
     text: str = ""
     estimate: Estimate | None = None
     motion: Motion | None = None
+    cells: npt.ArrayLike = field(default_factory=lambda: _NONE)
+    finish: str = ""
 
     def __post_init__(self) -> None:
         """Check that all points are finite."""
-        for name in ("pixels", "points"):
+        for name in ("pixels", "points", "cells"):
             points = as_points(getattr(self, name), name=name)
             if not np.isfinite(points).all():
                 raise ValueError(f"{name} must be finite numbers, got {points[~np.isfinite(points)][0]}")
@@ -155,7 +165,7 @@ class Seen:
     printed : str
         The end of the text that the student's code printed.
     seconds : float
-        Run time of the student's code.
+        Run time of the student's code, the median of the latest pictures.
     """
 
     overlays: Mapping[str, Overlay] = field(default_factory=dict)
@@ -168,6 +178,16 @@ class Seen:
     def points(self) -> FloatArray:
         """All points in the robot frame, (N, 2), m."""
         return np.vstack([_NONE, *(as_points(each.points) for each in self.overlays.values())])
+
+    @property
+    def cells(self) -> FloatArray:
+        """All marked cells in world coordinates, (N, 2), m."""
+        return np.vstack([_NONE, *(as_points(each.cells) for each in self.overlays.values())])
+
+    @property
+    def finish(self) -> str:
+        """What is complete; empty if nothing is."""
+        return next((each.finish for each in self.overlays.values() if each.finish), "")
 
     @property
     def estimate(self) -> Estimate | None:
@@ -195,13 +215,15 @@ class Seen:
 
     @property
     def board(self) -> str:
-        """The line of the stage whose estimate the map shows; empty without an estimate."""
+        """The line of the stage that drives, else of the stage whose estimate the map shows; empty without both."""
+        drives = [name for name, each in self.overlays.items() if each.motion is not None or each.finish]
         names = [name for name, each in self.overlays.items() if each.estimate is not None]
-        return f"{names[-1]}: {self.overlays[names[-1]].text}" if names else ""
+        name = next(iter(drives[-1:] or names[-1:]), "")
+        return f"{name}: {self.overlays[name].text}" if name else ""
 
     def pace(self) -> list[str]:
         """Return a warning if the student's code was slow, else nothing; the run time depends on the machine."""
-        slow = f"your code took {1000 * self.seconds:.0f} ms for this picture, which slows the drive down"
+        slow = f"your code takes {1000 * self.seconds:.0f} ms for a picture, which slows the drive down"
         return [slow] if self.seconds > SLOW else []
 
     def over(self, pixels: Pixels) -> Pixels:
@@ -212,15 +234,17 @@ class Seen:
                 blended = cv2.addWeighted(each.painted, _STRENGTH, shown, 1 - _STRENGTH, 0.0)
                 where = np.ones(shown.shape[:2], bool) if each.where is None else each.where
                 shown = np.where(where[..., None], blended, shown).astype(np.uint8)
-        return self._marked(shown)
+        return self.marked(shown)
 
     def alone(self, pixels: Pixels) -> Pixels:
         """Return the last painted overlay with all marks; without one, draw the marks on the picture in grey."""
         painted = [each.painted for each in self.overlays.values() if each.painted is not None]
         grey = np.repeat(pixels.mean(axis=2, keepdims=True), 3, axis=2).astype(np.uint8)
-        return self._marked((painted[-1] if painted else grey).copy())
+        return self.marked(painted[-1] if painted else grey)
 
-    def _marked(self, shown: Pixels) -> Pixels:
+    def marked(self, pixels: Pixels) -> Pixels:
+        """Return a picture (H, W, 3) with rings around the marked pixels."""
+        shown = pixels.copy()
         radius = max(4, shown.shape[1] // 60)
         for each in self.overlays.values():
             for u, v in np.round(np.clip(as_points(each.pixels), -1e4, 1e4)).astype(int).tolist():
@@ -267,6 +291,7 @@ class Pipeline:
         self._student = StudentCode(functions)
         self._wired: dict[str, StageFunction] = {}
         self._skipped: dict[str, str] = {}
+        self._seconds: deque[float] = deque(maxlen=JUDGED)
 
     @property
     def estimates(self) -> bool:
@@ -311,7 +336,9 @@ class Pipeline:
                 continue
             error = tried.error
             complaints.append(self._complaint(stage, tried.message, isinstance(error, TooSlow)))
-        return Seen(overlays, tuple(complaints), error, printed, seconds)
+        self._seconds.append(seconds)
+        usual = float(np.median(self._seconds)) if len(self._seconds) == JUDGED else 0.0
+        return Seen(overlays, tuple(complaints), error, printed, usual)
 
     def summary(self) -> list[str]:
         """Return a line that lists the stages that run, and a line for each stage that does not."""
@@ -321,6 +348,12 @@ class Pipeline:
             *(f"not yet: {name}, because {why}" for name, why in self.missing.items()),
             *self.remarks,
         ]
+
+    def heading(self) -> list[str]:
+        """Return short lines: the stages that run, those still to come, and further remarks."""
+        running = ", ".join(f"✔ {stage.name}" for stage in self.stages)
+        coming = [f"Still to come: {', '.join(self.missing)}"] if self.missing else []
+        return [f"Your NAO so far: {running or 'nothing yet'}", *coming, *self.remarks]
 
     def _run(self, stage: Stage, frame: Frame) -> Overlay:
         if stage.name not in self._wired:

@@ -6,15 +6,18 @@ import html
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from nao_course._internal.counts import say_count
+from nao_course.geometry import Pose
 from nao_course.plotting import Drawing
+from nao_course.slam import Estimate
+from nao_course.widgets.control_panel.accuracy import accuracy, numbers_html, say_length
 from nao_course.widgets.control_panel.cockpit import CAMERAS, LIVE_SIZE, Cockpit
 from nao_course.widgets.control_panel.controls import Controls
-from nao_course.widgets.control_panel.live_map import LiveMap
 from nao_course.widgets.control_panel.pipeline import VIEWS
 from nao_course.widgets.control_panel.still import draw_still
 from nao_course.widgets.control_panel.student_view import StudentView
-from nao_course.widgets.parts import jpeg, png, status_box
-from nao_course.widgets.vector_map import MapContents
+from nao_course.widgets.parts import StatusKind, jpeg, status_box
+from nao_course.widgets.vector_map import MapContents, VectorMap
 
 
 class Screen:
@@ -28,6 +31,8 @@ class Screen:
         The widgets.
     own : StudentView
         The results of the student's functions.
+    field_map : VectorMap
+        The map.
     names : mapping of str to str
         Name of each path in the map's legend, by its source.
     source : "ekf" or "graph"
@@ -41,14 +46,14 @@ class Screen:
         cockpit: Cockpit,
         controls: Controls,
         own: StudentView,
+        field_map: VectorMap,
         names: Mapping[str, str],
         source: str,
         waiting: Callable[[], str],
     ) -> None:
-        """Draw the empty field; the first `refresh` adds pictures."""
-        self._cockpit, self._controls, self._own = cockpit, controls, own
+        """Store the parts; the first `refresh` adds pictures."""
+        self._cockpit, self._controls, self._own, self._map = cockpit, controls, own, field_map
         self._names, self._source, self._waiting = names, source, waiting
-        self._map = LiveMap(cockpit.nao.field, names)
         self._stale: set[str] = set()  # cameras whose latest picture is older than the latest step
 
     @property
@@ -91,17 +96,44 @@ class Screen:
         self.show_status()
 
     def show_status(self) -> None:
-        """Show the facts and the messages of the drive and of the student's functions."""
+        """Show the numbers, the messages of the drive and of the student's functions, and the facts."""
         cockpit, seen = self._cockpit, self._own.seen
-        lines = [line for line in seen.lines() if line != seen.board]
-        facts = " · ".join([*cockpit.facts(self._with_truth), *lines, *seen.pace()])
+        self._show_numbers()
         alarm = cockpit.alarm or bool(seen.complaints)
-        message = "\n".join(filter(None, [cockpit.message, self._waiting(), *seen.complaints]))
-        printed = cockpit.printed + seen.printed
+        finish = "" if alarm else self._finish()
+        message = "\n".join(
+            filter(None, [finish or cockpit.message, self._waiting(), *seen.complaints, *seen.pace()])
+        )
         board = seen.board[:1].upper() + seen.board[1:]
-        status = status_box(message, facts, alarm=alarm, shows_where=alarm, printed=printed, board=board)
-        if self._controls.status.value != status:
-            self._controls.status.value = status
+        printed = cockpit.printed + seen.printed
+        kind: StatusKind = "alarm" if alarm else "finish" if finish else ""
+        _show(
+            self._controls.status,
+            status_box(message, "", kind=kind, shows_where=alarm, printed=printed, board=board),
+        )
+        lines = [*cockpit.facts(self._with_truth), *seen.lines(), *self._own.ready()]
+        facts = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
+        _show(self._controls.facts, f'<div class="nao-facts"><ul>{facts}</ul></div>')
+
+    def _show_numbers(self) -> None:
+        cockpit = self._cockpit
+        truth = cockpit.truth.pose if self._with_truth and cockpit.truth is not None else None
+        estimated = self.estimate() or cockpit.odometry[-1]
+        shown = accuracy(estimated, truth)
+        numbers = numbers_html(shown, cockpit.truth is not None, not isinstance(estimated, Pose))
+        _show(self._controls.numbers, numbers)
+
+    def _finish(self) -> str:
+        """Return what is complete and what it took; empty if nothing is."""
+        cockpit, finish = self._cockpit, self._own.seen.finish
+        if not finish or not cockpit.moves:
+            return ""
+        said = f"{finish}: {cockpit.walked:.1f} m in {say_count(cockpit.moves, 'move')}"
+        estimate = self.estimate()
+        if estimate is None or not self._with_truth or cockpit.truth is None:
+            return f"{said}."
+        error = accuracy(estimate, cockpit.truth.pose).error or 0.0
+        return f"{said}, {say_length(error)} off."
 
     def summary(self) -> str:
         """Return the display's contents as text."""
@@ -126,16 +158,18 @@ class Screen:
 
     def _show_picture(self, camera: str) -> None:
         image, caption = self._controls.images[camera], self._controls.captions[camera]
-        pixels, whose = self.shown(camera)
-        image.value = jpeg(pixels)
+        pixels, whose = self._own.live(camera, self._camera, self._cockpit.pictures)
+        image.value, image.alt = jpeg(pixels), f"Live picture: {whose or f'{camera} camera'}"
         width, height = size = self._cockpit.pictures[camera].view.size
         live = "live" if size == LIVE_SIZE else f"{width} × {height}"
-        said = f"<b>{html.escape((whose or f'{camera} camera').capitalize())}</b>, {live}"
-        if caption.value != said:
-            caption.value = said
+        _show(caption, f"<b>{html.escape((whose or f'{camera} camera').capitalize())}</b>, {live}")
 
     def _show_map(self) -> None:
-        self._controls.map.value = png(self._map.draw(self.contents()))
+        self._map.update(self.contents())
+
+    def estimate(self) -> Estimate | None:
+        """Return the estimate of the panel's algorithm, else of the student's functions; None without one."""
+        return self._cockpit.estimate if self._cockpit.slam is not None else self._own.seen.estimate
 
     def contents(self) -> MapContents:
         """Return the contents of the map."""
@@ -144,11 +178,25 @@ class Screen:
         if self._with_truth and cockpit.truth is not None:
             paths["truth"] = cockpit.truth.path
         paths["odometry"] = cockpit.odometry
+        estimate = self.estimate()
         if cockpit.slam is not None:
             paths[self._source] = cockpit.estimated
-        estimate = cockpit.estimate
-        if cockpit.slam is None and own.seen.estimate is not None:
-            estimate = own.seen.estimate
+        elif estimate is not None:
             paths[self._source] = own.path
         observer = self._source if paths.get(self._source) else "odometry"
-        return MapContents(paths, estimate, cockpit.seen, observer, own.seen.points)
+        view = cockpit.pictures[self._camera].view
+        return MapContents(
+            {name: tuple(path) for name, path in paths.items()},
+            estimate,
+            cockpit.seen,
+            observer,
+            own.seen.points,
+            own.seen.cells,
+            (view.yaw, view.hfov / 2),
+        )
+
+
+def _show(widget: Any, value: str) -> None:
+    """Set a widget's value if it is another one, so that the page gets no needless message."""
+    if widget.value != value:
+        widget.value = value

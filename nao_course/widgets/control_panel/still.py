@@ -20,8 +20,9 @@ from nao_course.plotting import (
 )
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.sim import Field
-from nao_course.widgets.control_panel.live_map import POINT_MARKER
 from nao_course.widgets.vector_map import MapContents
+
+POINT_MARKER = "*"  # for points that the student's code found; landmarks have other markers
 
 
 @course_style()

@@ -93,6 +93,16 @@ class StudentView:
             return self.seen.alone(pictures[chosen].pixels), f"your {names}"
         return pixels, ""
 
+    def live(self, camera: str, chosen: str, pictures: Mapping[str, Picture]) -> tuple[Any, str]:
+        """Return the same for the page: the large picture has the marks also if the labels are beside it."""
+        if camera == chosen and self._view == "beside" and self.seen.names:
+            return self.seen.marked(pictures[camera].pixels), f"{camera} camera, your marks"
+        return self.shown(camera, chosen, pictures)
+
+    def heading(self) -> list[str]:
+        """Return short lines about the functions that run and those still to come."""
+        return [] if self._pipeline is None else self._pipeline.heading()
+
     def ready(self) -> list[str]:
         """Return lines that list the functions that run and those still missing."""
         return [] if self._pipeline is None else self._pipeline.summary()

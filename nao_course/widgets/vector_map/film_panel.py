@@ -109,7 +109,7 @@ class FilmPanel:
         self._status.value = (
             f'<div class="nao-facts">{self._say_pace()}</div>'
             if latest.done
-            else status_box(latest.message, "", alarm=True, shows_where=shows_where, printed=latest.printed)
+            else status_box(latest.message, "", kind="alarm", shows_where=shows_where, printed=latest.printed)
         )
 
     @property

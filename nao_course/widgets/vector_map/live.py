@@ -30,6 +30,7 @@ from nao_course.slam import Estimate, measured_points
 from nao_course.widgets.vector_map.contents import MapContents
 
 CELL = 0.1  # m: side of a grid cell
+FARTHEST = 1e4  # m; nothing beyond it is sent
 VIEW_REACH = 1.6  # m: length of the view cone on the map
 FRONTIER, VIEW = "#7a35d0", "#fffbe0"
 _RENDER = """
@@ -186,7 +187,7 @@ class VectorMap:
             "seen": landmark_numbers(ends, kinds),
             "points": pose.to_parent(contents.points) if len(contents.points) else np.empty((0, 2)),
         }
-        return {name: layer_numbers(self._kinds[name], frame) for name, frame in frames.items()}
+        return {name: layer_numbers(self._kinds[name], _drawable(frame)) for name, frame in frames.items()}
 
     # --- messages ---
 
@@ -227,6 +228,11 @@ def _grew(before: Sequence[Pose], path: Sequence[Pose]) -> bool:
 
 def _poses(path: Sequence[Pose]) -> FloatArray:
     return np.array([each.as_array() for each in path]).reshape(-1, 3)
+
+
+def _drawable(frame: FloatArray) -> FloatArray:
+    """Return the rows with finite numbers near the field: a student's estimate may contain others."""
+    return np.asarray(frame[(np.isfinite(frame) & (np.abs(frame) < FARTHEST)).all(axis=1)])
 
 
 def _ahead(pose: Pose, view: tuple[float, float]) -> tuple[float, float, float, float]:

@@ -106,7 +106,7 @@ def test_the_panel_has_a_place_for_the_estimate_on_its_map(functions):
     nao = robot()
     panel = ControlPanel(nao, Truth(nao), pipeline=Pipeline([STAGE], functions, nao, time_limit=60.0))
     contents = panel._screen.contents()
-    assert contents.observer == "ekf" and contents.paths["ekf"] == [contents.estimate.pose]
+    assert contents.observer == "ekf" and contents.paths["ekf"] == (contents.estimate.pose,)
     assert np.hypot(contents.estimate.pose.x - 0.6, contents.estimate.pose.y - 0.5) == pytest.approx(0.5)
     panel.view = "beside"  # as my_nao does
     assert panel._screen.contents().estimate.pose == contents.estimate.pose

@@ -6,6 +6,7 @@ import pytest
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.control_panel.controls import KEYS
 from nao_course.widgets.keyboard import key_names
+from nao_course.widgets.parts import LabelledImage
 from tests.widgets.robots import all_widgets, clean_nao
 
 
@@ -16,8 +17,8 @@ def test_every_control_has_a_name_and_says_its_key():
             assert widget.description and "key:" in widget.tooltip
         elif isinstance(widget, ipywidgets.Dropdown | ipywidgets.Checkbox):
             assert widget.description
-        elif isinstance(widget, ipywidgets.Image):
-            assert widget.tooltip
+        elif isinstance(widget, LabelledImage):
+            assert widget.alt and widget.tooltip is None
 
 
 def test_every_key_presses_one_button_and_none_belongs_to_two():

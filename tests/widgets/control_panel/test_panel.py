@@ -91,14 +91,17 @@ def test_a_hidden_truth_is_neither_in_words_nor_in_the_map():
     truth = Truth(nao)
     panel = ControlPanel(nao, truth, show_truth=False)
     panel.forward(0.3)
-    before = panel._controls.map.value
+    before = panel._screen._map.contents.paths
     truth.place(Pose(2.0, 1.0, 2.0))
     panel._screen._show_map()
-    assert panel._controls.map.value == before
+    assert panel._screen._map.contents.paths == before == {"odometry": tuple(panel.cockpit.odometry)}
     assert "truth" not in panel.summary()
+    assert (
+        "tick Show the truth" in panel._controls.numbers.value and " cm" not in panel._controls.numbers.value
+    )
     assert "truth" not in repr(panel._repr_mimebundle_()["text/html"])
     panel.show_truth = True
-    assert panel._controls.map.value != before
+    assert panel._screen._map.contents.paths["truth"][-1] == Pose(2.0, 1.0, 2.0)
     assert "truth (2.00, 1.00) m" in panel.summary()
 
 

@@ -107,8 +107,10 @@ def test_the_button_goes_round_the_views_and_says_which_it_is():
         press(panel, "view")
         seen.append((panel.view, panel._controls.view.description))
     assert seen == [(view, module.VIEWS[view]) for view in ("beside", "picture", "over")]
-    assert "arrowup" in panel.widget.children[-1].children[0].children[2].children[-1].value  # the keys
-    assert "V changes the view" in panel.widget.children[-1].children[0].children[2].children[-1].value
+    (keys,) = [
+        each.value for each in all_widgets(panel.widget) if "nao-keys" in str(getattr(each, "value", ""))[:99]
+    ]
+    assert "arrowup" in keys and "V changes the view" in keys
 
 
 def test_in_the_view_of_the_picture_alone_the_students_code_is_not_asked():
@@ -134,9 +136,8 @@ def test_points_of_a_later_stage_stand_on_the_map_in_front_of_the_odometrys_robo
     bare = make(pose=Pose(0.5, 0.0, np.pi / 2))
     bare.view = "picture"
     assert np.allclose(panel._screen.contents().points, [(1.0, 0.0), (1.0, 0.5)])
-    assert not np.array_equal(decoded(image(panel, "map")), decoded(image(bare, "map")))
-    (marks,) = [each for each in panel._screen._map._artists if getattr(each, "get_marker", str)() == "*"]
-    assert np.allclose(np.transpose(marks.get_data()), [(0.5, 1.0), (0.0, 1.0)])
+    assert panel._screen._map._sent["points"] == [500, 1000, 0, 1000]  # mm on the map
+    assert bare._screen._map._sent.get("points", []) == []
 
 
 def test_a_pipeline_changes_nothing_about_the_drive():
@@ -176,7 +177,7 @@ def test_without_stages_there_is_no_button_and_no_view_to_choose():
 
 def test_the_stage_of_the_documentation_is_made_of_ten_lines_and_marks_what_is_found():
     page = (PROJECT / "docs" / "write_a_panel.md").read_text(encoding="utf-8")
-    *_, example = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (example,) = [each for each in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "STAGE = " in each]
     assert len([line for line in example.splitlines() if line.strip()]) <= 10
     room = {"Overlay": Overlay, "Stage": Stage}
     exec(example, room)
@@ -307,8 +308,10 @@ def test_what_the_students_code_prints_stands_in_the_panel_and_nowhere_else(caps
 
 
 def test_slow_code_is_said_to_be_slow_in_the_panel_and_not_in_what_a_lesson_prints(monkeypatch):
-    monkeypatch.setattr(module, "SLOW", -1.0)
+    monkeypatch.setattr(module, "SLOW", 0.0)
     panel = make()
+    assert "slows the drive" not in status(panel), "the first picture also calibrates"
+    panel.forward(0.05 * module.JUDGED)
     assert "which slows the drive down" in status(panel) and " ms " not in panel.summary()
 
 
