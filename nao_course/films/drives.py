@@ -89,6 +89,5 @@ def _rays(pose: Pose, measurements: Iterable[Measurement]) -> FloatArray:
 
 def _say_errors(estimates: Mapping[str, Sequence[Estimate]], number: int, true: Pose) -> str:
     found = {style_of(source).label: each[number].pose for source, each in estimates.items()}
-    return ", ".join(
-        f"{name} {100 * np.hypot(pose.x - true.x, pose.y - true.y):.0f} cm" for name, pose in found.items()
-    )
+    off = {name: 100 * float(np.hypot(pose.x - true.x, pose.y - true.y)) for name, pose in found.items()}
+    return ", ".join(f"{name} {each:.{int(each < 10)}f} cm" for name, each in off.items())
