@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 from PIL import Image
 
 from nao_course.geometry import FloatArray
-from nao_course.plotting.style import course_style
+from nao_course.plotting.style import LABEL_COLOURS, course_style
 
 # A number with its unit, a ratio or nothing, such as 3.1, 12 %, 23 of 98, 1.2 +- 0.3, -.
 _NUMBER = re.compile(
@@ -109,12 +110,19 @@ class Drawing:
         pictures = [
             axes
             for axes in self.figure.axes
-            if any(self.photo or np.ndim(image.get_array()) == 3 for image in axes.images)  # type: ignore[arg-type]
+            if any(self.photo or _has_true_colours(image) for image in axes.images)
         ]
         yield from (Bbox(axes.bbox.get_points()) for axes in pictures)
         for legend in self.figure.legends if pictures else ():
             keys = (key for key in legend.legend_handles if isinstance(key, Patch))
             yield from (key.get_window_extent().padded(1) for key in keys)
+
+
+def _has_true_colours(image: AxesImage) -> bool:
+    """Return whether an image is in RGB, grey or the colours of the labels: not a matrix in a scale of colours."""
+    colours = image.get_cmap()
+    is_listed = getattr(colours, "colors", None) == LABEL_COLOURS
+    return np.ndim(image.get_array()) == 3 or colours.name == "gray" or is_listed  # type: ignore[arg-type]
 
 
 def _around(boxes: Iterable[FloatArray], size: FloatArray) -> str:

@@ -272,7 +272,7 @@ class DerivationSheet:
         return expression
 
     def formula(self, entry: str) -> str:
-        """Return a typed entry as TeX between dollar signs, or an empty text if it cannot be read."""
+        """Return a typed entry as TeX between dollar signs, or an empty text for a number or an error."""
         import sympy
 
         letters = {name: sympy.Symbol(name) for name in (*self.symbols, *self._zero)}
@@ -280,6 +280,8 @@ class DerivationSheet:
         try:
             typed = parse(entry, letters)
         except (ValueError, TypeError, AttributeError, ZeroDivisionError):
+            return ""
+        if typed.is_Number:
             return ""
         return f"${sympy.latex(typed, symbol_names=deltas)}$"
 

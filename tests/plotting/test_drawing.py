@@ -71,6 +71,7 @@ def test_a_drawing_is_marked_for_dark_pages_and_a_photograph_in_it_is_left_out()
     drawing = draw_picture(picture, title="red")
     shown = drawing._repr_html_()
     assert not list(a_map()._in_true_colours())
+    assert len(list(draw_labels([[0, 1], [2, 3]])._in_true_colours())) == 1 + 4  # the picture and its keys
     assert "nao-figure" not in shown
     corners = np.reshape(
         [float(each) for each in re.findall(r"([\d.]+)%", shown.split("evenodd")[1])], (-1, 2)

@@ -142,6 +142,7 @@ def test_the_fields_are_framed_and_keep_what_is_typed():
         ("d*sin(theta)", r"$d \sin{\left(\theta \right)}$"),
         ("-dx/q^2", r"$- \frac{\Delta x}{q^{2}}$"),
         ("d*", ""),
+        ("1.5", ""),
         ("", ""),
     ],
 )
