@@ -27,6 +27,9 @@ _NUMBER = re.compile(
 )
 
 
+NO_PHOTO = "drawn"  # matplotlib's name (gid) of an image that is a drawing itself
+
+
 @dataclass(frozen=True, eq=False)
 class Drawing:
     """A finished figure with its alt text.
@@ -110,7 +113,10 @@ class Drawing:
         pictures = [
             axes
             for axes in self.figure.axes
-            if any(self.photo or _has_true_colours(image) for image in axes.images)
+            if any(
+                image.get_gid() != NO_PHOTO and (self.photo or _has_true_colours(image))
+                for image in axes.images
+            )
         ]
         yield from (Bbox(axes.bbox.get_points()) for axes in pictures)
         for legend in self.figure.legends if pictures else ():

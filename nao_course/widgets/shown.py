@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from nao_course.plotting import Drawing, course_style, plot_picture
+from nao_course.plotting.drawing import NO_PHOTO
 from nao_course.plotting.legends import legend_below
 from nao_course.sim import Picture
 from nao_course.widgets.parts import jpeg, png
@@ -139,6 +140,8 @@ class Shown:
         axes = figure.subplots(1, len(shapes), width_ratios=ratios, squeeze=False)[0]
         for ax, (title, pixels) in zip(axes, self.pictures.items(), strict=False):
             plot_picture(pixels, ax, ticks=False)
+            if title in self.drawings and not self.drawings[title].photo:
+                ax.images[0].set_gid(NO_PHOTO)
             ax.set_title(title.strip(), fontsize=11)
             if title in marks:
                 ax.plot(*marks[title], "+", ms=14, mew=3.5, color="white")

@@ -10,7 +10,8 @@ import ipywidgets
 import numpy as np
 import pytest
 
-from nao_course.plotting import draw_picture, table
+from nao_course.plotting import draw_map, draw_picture, table
+from nao_course.sim import Field
 from nao_course.widgets import (
     Action,
     Choice,
@@ -24,7 +25,7 @@ from nao_course.widgets import (
     picture_row,
 )
 from nao_course.widgets.parts import LabelledImage
-from nao_course.widgets.shown import encoded
+from nao_course.widgets.shown import Shown, encoded
 from tests.paths import PROJECT
 from tests.widgets.robots import all_widgets, decoded, press
 
@@ -422,3 +423,11 @@ def test_names_that_are_not_there_are_an_error_that_lists_those_that_are():
     )
     with pytest.raises(ValueError, match="brighter must be a function, got int"):
         make(3)
+
+
+def test_the_still_picture_of_a_panel_keeps_photographs_on_a_dark_page_and_inverts_drawings():
+    given = {"photo": np.zeros((20, 30, 3), np.uint8), "map": draw_map(Field())}
+    still = Shown.of([given]).drawing("words", {})
+    (kept,) = still._in_true_colours()
+    photo, drawn = still.figure.axes
+    assert np.allclose(kept.extents, photo.bbox.extents) and not np.allclose(kept.extents, drawn.bbox.extents)
