@@ -248,6 +248,10 @@ def _draw_paper(clicked: Collection[str], pose: Pose | None = None, points: npt.
     half, low = 50 * PAPER[0], -100 * BELOW
     lowest = low
     ax.imshow(_small_sheet(), extent=(-half, half, low, low + 100 * PAPER[1]))
+    for letter, (x, y) in zip(CLICKED, on_paper(list(CLICKED.values())), strict=True):
+        ax.text(
+            x + 2.4 * np.sign(x), y, letter, color="white", weight="bold", size=15, ha="center", va="center"
+        )
     rings = on_paper([CLICKED[letter] for letter in clicked] or np.empty((0, 2)))
     ax.plot(*rings.T, "o", color="none", mec=FOUND, mew=2.5, ms=13)
     keys = [
