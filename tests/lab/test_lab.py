@@ -53,7 +53,7 @@ def test_colours_of_text_have_enough_contrast_on_light_and_dark_pages(name):
 
 
 def contrast(one, other):
-    """WCAG 2.2's contrast ratio of two colours."""
+    """Return the contrast ratio of two colours by WCAG 2.2."""
 
     def luminance(colour):
         parts = np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
