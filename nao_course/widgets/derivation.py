@@ -57,7 +57,7 @@ _RIGHT, _WRONG, _PLAIN = (
 )
 _CSS = """<style>.nao-sheet input { font-family: monospace; }
 .nao-sheet .widget-html-content { line-height: 20px; }
-.nao-sheet .nao-formula { min-height: 20px; margin: 0 2px; }</style>"""
+.nao-sheet .widget-htmlmath { min-height: 20px; margin: 0 2px; }</style>"""
 
 
 def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
@@ -387,7 +387,8 @@ class _SheetView:
         for field in (field for row in self.fields for field in row):
             field.layout = ipywidgets.Layout(width="auto", border=_PLAIN)
             field.observe(self.check, names="value")
-        cells = [list(map(_stacked, *rows)) for rows in zip(self.fields, self.formulas, strict=True)]
+        pairs = [zip(*rows, strict=True) for rows in zip(self.fields, self.formulas, strict=True)]
+        cells = [[ipywidgets.VBox(pair) for pair in row] for row in pairs]
         heads = [ipywidgets.HTML(f"<b>by {escape(name)}</b>") for name in sheet.by]
         lines = [
             [ipywidgets.HTML(f"<b>{escape(name)}</b>"), *row]
@@ -428,14 +429,6 @@ class _SheetView:
                 field.layout.border = _PLAIN if found is None else _WRONG if found else _RIGHT
         self._filling = False
         self.said.value = Message(said)._repr_html_()
-
-
-def _stacked(field: Any, formula: Any) -> Any:
-    """Return a field with its formula below it."""
-    import ipywidgets
-
-    formula.add_class("nao-formula")
-    return ipywidgets.VBox([field, formula])
 
 
 @cache  # a cell that is run again shows the same sheet with its entries
