@@ -31,17 +31,18 @@ KEYS = {
     "slam": ("m",),
     "camera": ("c",),
     "more": ("o",),
+    "world": ("t",),
 }
 VIEW_KEYS = {"view": ("v",)}  # only if functions of the student are ready
 ITSELF_KEYS = {"itself": ("g",)}  # only if the student's code chooses motions
 _KEY_WORDS = (
     "Keyboard: W A S D or arrows walk, I J K L turn the head, space takes a picture, M measures, X stops"
 )
-_MORE_KEY_WORDS = ", H looks ahead, C changes the camera"
+_MORE_KEY_WORDS = ", H looks ahead, C changes the camera, T shows three dimensions, O opens the settings"
 _VIEW_KEY_WORDS = ", V changes the view"
 _ITSELF_KEY_WORDS = ", G lets the robot go by itself"
 _MORE = "Settings and details"
-_KEY_HINT = "Click anywhere: W A S D, I J K L"
+_KEY_HINT = "Keys: W A S D, I J K L"
 
 _CSS = """
 .nao-cockpit { container-type: inline-size; width: 100%; max-width: 1000px; padding: 2px 4px; box-sizing: border-box; }
@@ -73,6 +74,10 @@ _CSS = """
 .nao-cockpit .nao-actions button { margin: 0; width: 100%; height: 28px; line-height: 28px; padding: 0 4px;
   font-size: 12px; }
 .nao-cockpit .nao-do-itself { font-weight: 600; }
+.nao-cockpit .nao-face { margin: 0; overflow: visible; }
+.nao-cockpit .nao-do-world { flex: 0 0 auto; margin: 0; width: 56px; height: 28px; line-height: 28px; padding: 0 4px;
+  font-size: 12px; }
+.nao-cockpit .nao-below-map .nao-keys { min-width: 120px; }
 .nao-cockpit .nao-below-map { gap: 8px; align-items: center; overflow: visible; }
 .nao-cockpit .nao-below-map .widget-html, .nao-cockpit .nao-below-map .widget-checkbox { margin: 0; }
 .nao-cockpit .nao-below-map .widget-checkbox label { display: flex; align-items: center; gap: 4px; }
@@ -180,6 +185,7 @@ class Controls:
             camera: box("V", "nao-camera", self.captions[camera], self.images[camera]) for camera in CAMERAS
         }
         settings = self._settings()
+        self._world = self._button("world", "3-D", "Show the field in three dimensions, or the map", "cube")
         self._more = box("V", "nao-folded", settings, self.facts)
         self._more.layout.display = "none"
         actions_box = self._action_buttons(has_slam)
@@ -189,7 +195,9 @@ class Controls:
             box("", "nao-cameras", *self._camera_boxes.values()),
             box("H", "nao-controls", self._drive_pad(), self._head_pad(), actions_box),
         )
-        right = box("V", "nao-right", map_widget, self._below_map(has_truth, show_truth))
+        self._map = map_widget
+        self._face = box("V", "nao-face", map_widget)
+        right = box("V", "nao-right", self._face, self._below_map(has_truth, show_truth))
         main = box("", "nao-main", self.numbers, left, right)
         above = [html_line(heading, "nao-ready")] if heading else []
         css = styles(_CSS, _KEYS_AFTER_A_CLICK)
@@ -291,10 +299,16 @@ class Controls:
         more = (
             _MORE_KEY_WORDS + (_VIEW_KEY_WORDS if has_views else "") + (_ITSELF_KEY_WORDS if drives else "")
         )
-        once = ("picture", "slam", "view", "itself", "camera", "more")
+        once = ("picture", "slam", "view", "itself", "camera", "more", "world")
         keys = ipywidgets.HTML(key_field(self._keys, _KEY_WORDS, more, hint, once=once))
-        keys.layout.flex = "1 1 180px"
-        return box("H", "nao-below-map", keys, self.show_truth)
+        keys.layout.flex = "1 1 120px"
+        return box("H", "nao-below-map", keys, self._world, self.show_truth)
+
+    def show_face(self, face: Any | None) -> None:
+        """Show another widget in the map's place; None shows the map again."""
+        self._face.children = (self._map if face is None else face,)
+        self._world.description = "3-D" if face is None else "Map"
+        self._world.icon = "cube" if face is None else "map"
 
     def _show_more(self) -> None:
         """Show the settings and the details, or hide them."""

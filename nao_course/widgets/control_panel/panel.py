@@ -95,7 +95,7 @@ class ControlPanel:
     ) -> None:
         """Take the first pictures and build the widgets."""
         style_of(source)
-        self.source = source
+        self.source: Literal["ekf", "graph"] = source
         self.cockpit = Cockpit(nao, truth, slam, measure, start, frame, time_limit)
         self._own = StudentView(pipeline)
         self._first_head = nao.head
@@ -323,6 +323,7 @@ class ControlPanel:
             "picture": self.take_picture,
             "slam": self.run_slam,
             "view": self._next_view,
+            "world": self._next_face,
             "itself": self._go_by_itself,
         }
 
@@ -330,6 +331,9 @@ class ControlPanel:
         """Run the motions that the student's code chooses until Stop is pressed."""
         self.view = "over" if self.view == "picture" else self.view
         self._drive.go_by_itself()
+
+    def _next_face(self) -> None:
+        self._screen.switch_face()
 
     def _next_view(self) -> None:
         self.view = self._own.next_view

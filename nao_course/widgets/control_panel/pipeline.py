@@ -6,6 +6,7 @@ draws the stages' results over the picture and their points on the map. An error
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -33,10 +34,8 @@ VIEWS: Mapping[View, str] = MappingProxyType(
 PICTURE_LIMIT = (
     3.0  # s for one stage and one picture: about a hundred times as long as the labels of lesson 01
 )
-SLOW = 0.25  # s for one picture; the panel warns if the student's code takes longer
-JUDGED = (
-    5  # latest pictures whose median run time is judged: the first picture calibrates, and others may be slow
-)
+SLOW = 0.25  # s of processor time for one picture; the panel warns if the student's code takes longer
+JUDGED = 5  # latest pictures whose median is judged: the first picture calibrates, and others may be slow
 _NONE = np.empty((0, 2))
 _STRENGTH = 0.6  # opacity of an image that is laid over the picture
 _MARK = tuple(round(255 * each) for each in to_rgb("#ff3b81"))
@@ -165,7 +164,7 @@ class Seen:
     printed : str
         The end of the text that the student's code printed.
     seconds : float
-        Run time of the student's code, the median of the latest pictures.
+        Processor time of the student's code, the median of the latest pictures.
     """
 
     overlays: Mapping[str, Overlay] = field(default_factory=dict)
@@ -223,7 +222,7 @@ class Seen:
 
     def pace(self) -> list[str]:
         """Return a warning if the student's code was slow, else nothing; the run time depends on the machine."""
-        slow = f"your code takes {1000 * self.seconds:.0f} ms for a picture, which slows the drive down"
+        slow = f"Your code takes {1000 * self.seconds:.0f} ms for a picture, which slows the drive down"
         return [slow] if self.seconds > SLOW else []
 
     def over(self, pixels: Pixels) -> Pixels:
@@ -324,13 +323,17 @@ class Pipeline:
                 continue
             results = {name: each.result for name, each in overlays.items()}
             self._student.begin()
+            began = time.process_time()
             tried = attempt(
                 lambda stage=stage, results=results: self._run(stage, Frame(picture, results)),  # type: ignore[misc]
                 lambda stage=stage: self._source_of_error(stage),  # type: ignore[misc]
                 limit=self.time_limit,
                 quiet=True,
             )
-            printed, seconds = (printed + tried.printed)[-KEPT_LETTERS:], seconds + self._student.seconds
+            printed, seconds = (
+                (printed + tried.printed)[-KEPT_LETTERS:],
+                seconds + time.process_time() - began,
+            )
             if tried.value is not None:
                 overlays[stage.name] = tried.value
                 continue

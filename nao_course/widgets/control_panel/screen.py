@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import html
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Literal
+
+import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.geometry import Pose
@@ -18,6 +20,9 @@ from nao_course.widgets.control_panel.still import draw_still
 from nao_course.widgets.control_panel.student_view import StudentView
 from nao_course.widgets.parts import StatusKind, jpeg, status_box
 from nao_course.widgets.vector_map import MapContents, VectorMap
+from nao_course.widgets.world import WorldView
+
+WORLD_SIZE = (480, 340)  # px
 
 
 class Screen:
@@ -48,12 +53,14 @@ class Screen:
         own: StudentView,
         field_map: VectorMap,
         names: Mapping[str, str],
-        source: str,
+        source: Literal["ekf", "graph"],
         waiting: Callable[[], str],
     ) -> None:
         """Store the parts; the first `refresh` adds pictures."""
         self._cockpit, self._controls, self._own, self._map = cockpit, controls, own, field_map
         self._names, self._source, self._waiting = names, source, waiting
+        self._world: WorldView | None = None  # made when it is first chosen
+        self._in_3d = False
         self._stale: set[str] = set()  # cameras whose latest picture is older than the latest step
 
     @property
@@ -164,8 +171,36 @@ class Screen:
         live = "live" if size == LIVE_SIZE else f"{width} × {height}"
         _show(caption, f"<b>{html.escape((whose or f'{camera} camera').capitalize())}</b>, {live}")
 
+    def switch_face(self) -> None:
+        """Show the field in three dimensions in the map's place, or the map again."""
+        nao = self._cockpit.nao
+        if self._world is None:
+            self._world = WorldView(
+                nao.field, WORLD_SIZE, model=nao.model, reality=nao.reality, source=self._source
+            )
+        self._in_3d = not self._in_3d
+        self._show_map()
+        self._controls.show_face(self._world.widget if self._in_3d else None)
+
     def _show_map(self) -> None:
-        self._map.update(self.contents())
+        if self._world is not None and self._in_3d:
+            self._show_world(self._world)
+        else:
+            self._map.update(self.contents())
+
+    def _show_world(self, world: WorldView) -> None:
+        cockpit, contents = self._cockpit, self.contents()
+        truth = cockpit.truth.pose if "truth" in contents.paths and cockpit.truth is not None else None
+        nothing = np.empty((0, 0, 3), dtype=np.uint8)
+        world.update(
+            truth,
+            self.estimate() or cockpit.odometry[-1],
+            head=cockpit.nao.head,
+            pictures={
+                each: cockpit.pictures[each].pixels if each == self._camera else nothing for each in CAMERAS
+            },
+            paths=contents.paths,
+        )
 
     def estimate(self) -> Estimate | None:
         """Return the estimate of the panel's algorithm, else of the student's functions; None without one."""

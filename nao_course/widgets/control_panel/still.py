@@ -7,6 +7,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from nao_course.plotting import (
     Drawing,
@@ -21,8 +22,10 @@ from nao_course.plotting import (
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.sim import Field
 from nao_course.widgets.vector_map import MapContents
+from nao_course.widgets.vector_map.live import FRONTIER
 
 POINT_MARKER = "*"  # for points that the student's code found; landmarks have other markers
+_CELLS: Any = {"marker": "s", "ms": 5, "ls": "", "mew": 0, "color": FRONTIER, "alpha": 0.5}
 
 
 @course_style()
@@ -54,11 +57,14 @@ def draw_still(
     plot_field(field, ax)
     _plot_contents(contents, list(names)[-1], ax)
     keys = [source_key(source, names[source]) for source in contents.paths]
+    if len(contents.cells):
+        keys.append(Line2D([], [], label="frontiers", **_CELLS))
     legend_below(figure, keys, columns=3)
     return Drawing(figure, alt, photo=True)
 
 
 def _plot_contents(contents: MapContents, estimator: str, ax: Axes) -> None:
+    ax.plot(*contents.cells.T, zorder=1.5, **_CELLS)
     if contents.estimate is not None:
         plot_estimate(contents.estimate, ax, estimator)
     for source, path in contents.paths.items():

@@ -112,6 +112,23 @@ def test_a_panel_without_truth_cannot_show_it():
         panel.show_truth = True
 
 
+def test_three_dimensions_are_made_when_they_are_chosen_and_show_the_truth_only_with_the_map():
+    nao = clean_nao()
+    panel = ControlPanel(nao, Truth(nao))
+    assert panel._screen._world is None
+    press(panel, "world")
+    world = panel._screen._world
+    assert panel._controls._face.children == (world.widget,)
+    panel.forward(0.1)
+    assert world.contents.truth == Truth(nao).pose
+    panel.show_truth = False
+    assert world.contents.truth is None and "truth" not in world.contents.paths
+    press(panel, "world")
+    panel.forward(0.1)
+    assert panel._controls._face.children == (panel._screen._map.widget,)
+    assert panel._screen._map.contents.paths["odometry"] == tuple(panel.cockpit.odometry)
+
+
 # --- the student's code ---
 
 

@@ -324,6 +324,8 @@ def test_the_board_is_the_line_of_the_last_stage_that_has_an_estimate():
     }
     assert module.Seen(overlays).board == "estimate: off 3 cm"
     assert module.Seen({"corners": overlays["corners"]}).board == ""
+    overlays["next move"] = Overlay(text="to the frontier", motion=Motion(0.1))
+    assert module.Seen(overlays).board == "next move: to the frontier"
 
 
 def wander(least):
@@ -373,6 +375,46 @@ def test_a_press_lets_it_go_by_itself_until_it_wants_nothing_more():
     panel.view = "picture"  # nobody looks along until the button is pressed
     driven_by_itself(panel, lambda: False)
     assert panel.cockpit.nao.odometry.x == pytest.approx(0.2) and not panel.driving
+
+
+def test_when_nothing_is_left_the_panel_says_what_is_complete_and_what_it_took():
+    def mapped(student, nao):
+        truth = Truth(nao)
+
+        def look(frame):
+            estimate = Estimate(truth.pose, np.eye(3), np.empty((0, 2)), np.empty((0, 2, 2)))
+            left = nao.odometry.x < 0.2 - 1e-9
+            done = "" if left else "The whole field is seen"
+            return Overlay(
+                motion=Motion(0.05) if left else None, finish=done, estimate=estimate, cells=[(1.0, 2.0)]
+            )
+
+        return look
+
+    panel = make((Stage("wish", "92_toy", (), mapped, drives=True, estimates=True),))
+    assert "nao-finish" not in status(panel)
+    assert np.allclose(panel._screen.contents().cells, [(1.0, 2.0)])
+    panel.explore(9)
+    assert "The whole field is seen: 0.2 m in 4 moves, &lt; 1 cm off." in status(panel)
+    assert "nao-finish" in status(panel)
+    panel.show_truth = False
+    assert "4 moves." in status(panel) and "off" not in status(panel)
+
+
+def test_stages_to_come_share_a_line_and_their_reasons_are_among_the_details():
+    panel = make(missing={"corners": "it is not written yet", "pose": "it needs corners"})
+    (line,) = [each.value for each in all_widgets(panel.widget) if "nao-ready" in each._dom_classes]
+    assert "Still to come: corners, pose" in line and "not written" not in line
+    assert "not yet: corners, because it is not written yet" in panel._controls.facts.value
+
+
+def test_beside_the_labels_the_large_picture_has_the_marks():
+    panel = make()
+    panel.view = "picture"
+    bare = decoded(image(panel, "bottom")).astype(int)
+    panel.view = "beside"
+    assert np.abs(decoded(image(panel, "bottom")) - bare).max() > 80
+    assert "your marks" in image(panel, "bottom").alt
 
 
 def test_stop_ends_what_goes_by_itself():
