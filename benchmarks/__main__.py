@@ -26,7 +26,10 @@ BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with
         "field_walk",
     ),
     "beyond": ("beyond_cameras", "beyond_exploring", "beyond_moves", "beyond_particles"),
-    "course": ("films", "grading", "grading_memory", "grading_profile", "panel", "siege", "slow_students"),
+    "course": (
+        *("films", "grading", "grading_memory", "grading_profile", "panel", "siege", "slow_students"),
+        "world",
+    ),
     "": ("challenges",),
 }
 MODULES = {

@@ -155,13 +155,7 @@ def _rate(page: Any, drive: int) -> tuple[dict[str, float], float]:
 
 def main() -> Result:
     """Measure the panel in a real browser."""
-    executable = next(
-        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-    )
-    if executable is None:
-        raise FileNotFoundError(
-            "there is no Chromium on this machine (on Debian and Ubuntu: apt install chromium)"
-        )
+    executable = chromium()
     with tempfile.TemporaryDirectory() as scratch:
         folder, settings = Path(scratch) / "notebooks", Path(scratch) / "jupyter"
         folder.mkdir()
@@ -169,11 +163,22 @@ def main() -> Result:
             results = measure(lab, page) | measure_labelled(lab, page)
             results |= measure_solved(lab, page) | measure_filter(lab, page)
     results["wanted"] = WANTED
-    results["machine"] = {"cpu": _processor(), "python": platform.python_version(), "picture": "320 x 240"}
+    results["machine"] = {"cpu": processor(), "python": platform.python_version(), "picture": "320 x 240"}
     return Result("panel", results, (_table(results),))
 
 
-def _processor() -> str:
+def chromium() -> str:
+    """Return the path of this machine's Chromium."""
+    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if found is None:
+        raise FileNotFoundError(
+            "there is no Chromium on this machine (on Debian and Ubuntu: apt install chromium)"
+        )
+    return found
+
+
+def processor() -> str:
+    """Return the name of this machine's processor."""
     info = Path("/proc/cpuinfo")
     lines = info.read_text().splitlines() if info.exists() else []
     return next((line.split(": ")[1] for line in lines if line.startswith("model name")), platform.machine())

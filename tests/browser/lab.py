@@ -31,6 +31,8 @@ CHROMIUM_OPTIONS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+# WebGL on the processor, as on a computer without a graphics card
+SOFTWARE_WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 # The course's own settings (nao_course/lab/settings) already keep JupyterLab from asking for news.
 QUIET = {"extensionmanager-extension/plugin": {"enabled": False}}
 
@@ -211,13 +213,15 @@ def _stop(server: subprocess.Popen[bytes], url: str) -> None:
 
 
 @contextmanager
-def browser_page(executable: str) -> Iterator[Any]:
-    """A page of Chromium, as large as a laptop's."""
+def browser_page(executable: str, *, webgl: bool = False) -> Iterator[Any]:
+    """Open a page of Chromium, as large as a laptop's, without or with WebGL."""
     from playwright.sync_api import sync_playwright
 
+    options = [each for each in CHROMIUM_OPTIONS if not (webgl and each == "--disable-gpu")]
+    options += SOFTWARE_WEBGL if webgl else ["--disable-3d-apis"]
     root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=executable, args=[*CHROMIUM_OPTIONS, *root])
+        browser = playwright.chromium.launch(executable_path=executable, args=[*options, *root])
         try:
             yield browser.new_page(viewport=LAPTOP)
         finally:

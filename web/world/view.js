@@ -188,8 +188,9 @@ export class View {
     }
     const seconds = Math.min((time - (this.drawn ?? time)) / 1000, 0.1);
     for (const [name, robot] of Object.entries(this.robots)) {
-      const [pose, old] = [this.now[name], before[name]];
-      robot.group.visible = Boolean(pose);
+      // Rays of the estimate need its cameras also where there is only a true robot.
+      const [pose, old] = [this.now[name] ?? this.now.truth, before[name]];
+      robot.group.visible = Boolean(this.now[name]);
       if (!pose) continue;
       if (old) {
         const ahead = (pose[0] - old[0]) * Math.cos(old[2]) + (pose[1] - old[1]) * Math.sin(old[2]);
@@ -241,7 +242,7 @@ export class View {
 
   cameraOf(source, camera) {
     const robot = this.robots[source === "truth" ? "truth" : "estimate"];
-    if (!robot.group.visible) return null;
+    if (!this.now.truth && !robot.group.visible) return null;
     const [x, y, z] = [0, 1, 2].map((i) => this.data.cameras[camera].pose[i][3]);
     return robot.links.get("HeadPitch").localToWorld(new Vector3(x, y, z));
   }

@@ -15,11 +15,13 @@ from nao_course.lessons.distance.noise_figures import (
 from nao_course.lessons.distance.panel import TiltPanel
 from nao_course.lessons.distance.payoff import draw_payoff
 from nao_course.lessons.distance.phone import PhoneLab
+from nao_course.lessons.distance.ray_panel import RayPanel
 
 __all__ = [
     "Marked",
     "MarkedPicture",
     "PhoneLab",
+    "RayPanel",
     "TiltPanel",
     "draw_arrows",
     "draw_asymmetry",

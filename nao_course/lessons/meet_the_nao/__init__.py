@@ -1,4 +1,4 @@
-"""Figures, measurements and challenge of lesson 00, Meet the NAO."""
+"""Panel, figures, measurements and challenge of lesson 00, Meet the NAO."""
 
 from nao_course.lessons.meet_the_nao.drift import commanded, draw_drift, draw_growth, measure_drift
 from nao_course.lessons.meet_the_nao.figures import (
@@ -8,9 +8,11 @@ from nao_course.lessons.meet_the_nao.figures import (
     plot_footprint,
 )
 from nao_course.lessons.meet_the_nao.lost import draw_lost_and_found
+from nao_course.lessons.meet_the_nao.panel import HeadPanel
 from nao_course.lessons.meet_the_nao.slalom_figure import robots_through
 
 __all__ = [
+    "HeadPanel",
     "commanded",
     "draw_cameras",
     "draw_drift",

@@ -101,11 +101,12 @@ def draw_cameras(nao: SimulatedNao, size: tuple[int, int] = (320, 240), title: s
     words = [
         f"Both cameras with the head at yaw {say_angle(yaw)}, pitch {say_angle(pitch)} (positive is down)."
     ]
-    words += [_say_footprint(camera, picture.view) for camera, picture in pictures.items()]
+    words += [say_footprint(camera, picture.view) for camera, picture in pictures.items()]
     return Drawing(figure, " ".join([f"{title}.", *words] if title else words), photo=True)
 
 
-def _say_footprint(camera: str, view: CameraView) -> str:
+def say_footprint(camera: str, view: CameraView) -> str:
+    """Return the part of the ground that a camera sees along its direction, in words."""
     ahead = np.linspace(0.0, 20.0, 2001)
     along = np.column_stack([ahead * np.cos(view.yaw), ahead * np.sin(view.yaw)]) + view.offset
     seen = ahead[view.contains(view.project(along))]

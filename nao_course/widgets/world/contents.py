@@ -27,7 +27,8 @@ class Ray:
     camera : str
         Name of the camera, "top" or "bottom".
     source : str
-        Robot whose camera it is, and whose colour the ray has: "truth", or the source of the estimate.
+        Robot whose camera it is, and whose colour the ray has: "truth", or the source of the estimate. Without an
+        estimate, the ray of another source begins at the true pose with an upright body.
     """
 
     point: tuple[float, ...]

@@ -129,8 +129,9 @@ def _show_cameras(canvas: Canvas, scene: WorldScene, contents: WorldContents, so
         canvas.stroke(ends[[0, 1, 2, 3, 0]], CONE, 1.0, 0.9, hidden=True)
     for ray in contents.rays:
         robot, tilt = contents.truth, contents.tilt
-        if ray.source != "truth" and contents.estimate is not None:
-            robot, tilt = contents.estimate.pose, (0.0, 0.0)
+        if ray.source != "truth":
+            robot = contents.estimate.pose if contents.estimate is not None else contents.truth
+            tilt = (0.0, 0.0)
         if robot is not None:
             start = cameras(scene, contents, robot, tilt)[ray.camera][:3, 3]
             colour = style_of(ray.source).colour

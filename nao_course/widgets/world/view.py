@@ -173,9 +173,7 @@ class WorldView:
 
     def drawing(self) -> Drawing:
         """Return the view as a figure."""
-        figure = Figure(figsize=(self.size[0] / 100, self.size[1] / 100), dpi=100)
-        figure.figimage(self.pixels)
-        return Drawing(figure, self.summary(), photo=True)
+        return drawing_of(self.pixels, self.summary())
 
     def summary(self) -> str:
         """Return the contents as text."""
@@ -236,6 +234,14 @@ class WorldView:
         if name not in PRESETS:
             raise ValueError(f"the viewpoint must be one of {', '.join(map(repr, PRESETS))}, got {name!r}")
         return self.scene.presets[name]
+
+
+def drawing_of(pixels: Pixels, alt: str) -> Drawing:
+    """Return a picture (H, W, 3) as a figure of the same size."""
+    height, width = pixels.shape[:2]
+    figure = Figure(figsize=(width / 100, height / 100), dpi=100)
+    figure.figimage(pixels)
+    return Drawing(figure, alt, photo=True)
 
 
 def _checked_pose(pose: Pose | None) -> Pose | None:

@@ -7,11 +7,13 @@ from pathlib import Path
 import anywidget
 import traitlets
 
+BUNDLE = Path(__file__).parent / "static" / "world.js"  # made from web/world by `make bundles`
+
 
 class WorldWidget(anywidget.AnyWidget):
     """The state that Python and the browser share: the scene once, and what changes in small messages."""
 
-    _esm = Path(__file__).parent / "static" / "world.js"
+    _esm = BUNDLE
     scene = traitlets.Dict().tag(sync=True)
     size = traitlets.List([640, 400]).tag(sync=True)
     source = traitlets.Unicode("ekf").tag(sync=True)
