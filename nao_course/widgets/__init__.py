@@ -8,7 +8,7 @@ from nao_course.widgets.inputs import Action, Choice, Pixel, RangeSlider, Slider
 from nao_course.widgets.player import PlayerPanel
 from nao_course.widgets.shown import Legend
 from nao_course.widgets.vector_map import show_film
-from nao_course.widgets.world import Ray, WorldPanel, WorldView
+from nao_course.widgets.world import Ray, WorldPanel, WorldPlayer, WorldView
 
 __all__ = [
     "Action",
@@ -25,6 +25,7 @@ __all__ = [
     "Slider",
     "Toggle",
     "WorldPanel",
+    "WorldPlayer",
     "WorldView",
     "derivation",
     "show_film",

@@ -25,7 +25,7 @@ FOLDER = "nao-course"
 AS_THEY_ARE = ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock")
 README = "docs/for_students.md"
 # Kinds of the library's files; the checks' data is chosen by lesson
-_KINDS = {".json", ".npz", ".py", ".txt", ".typed"}
+_KINDS = {".css", ".js", ".json", ".npz", ".py", ".txt", ".typed"}
 ALL_LESSONS = "all lessons"  # reported instead of a single lesson's name
 
 

@@ -17,7 +17,7 @@ _NAMES = {
     "gates": ("draw_associations", "draw_gates", "recorded_landmarks", "recorded_wrong"),
     "ideas": ("draw_ideas",),
     "one_drive": ("draw_one_drive",),
-    "panel": ("AssociationPanel", "ReplayPanel"),
+    "panel": ("AssociationPanel", "ReplayPanel", "RoomPanel"),
     "variants": ("draw_variants", "variants_table"),
 }
 _FROM_BELOW = (

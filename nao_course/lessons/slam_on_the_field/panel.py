@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.drives import HEAD_PITCH, YAWS, OdometryNoisePerMove
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.slam_on_the_field.associating import (
     BAD,
@@ -19,7 +20,10 @@ from nao_course.lessons.slam_on_the_field.associating import (
     HEADING_SIGMA,
     POSITION_SIGMA,
     RUNS,
+    Associate,
 )
+from nao_course.lessons.slam_on_the_field.one_drive import GATE as DRIVE_GATE
+from nao_course.lessons.slam_on_the_field.one_drive import the_drive
 from nao_course.lessons.slam_on_the_field.worlds import (
     FIELD,
     KINDS,
@@ -29,8 +33,8 @@ from nao_course.lessons.slam_on_the_field.worlds import (
 )
 from nao_course.plotting import LANDMARK_MARKERS, Drawing, course_style, plot_ellipse, plot_field, plot_pose
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.slam import measured_points
-from nao_course.widgets import FunctionPanel, PlayerPanel, Slider, Toggle
+from nao_course.slam import measured_points, run_slam
+from nao_course.widgets import FunctionPanel, PlayerPanel, Ray, Slider, Toggle, WorldPlayer, WorldView
 
 LANDMARK_SIGMA = 0.04  # m
 MAP_COLOUR, SEEN_COLOUR = "#0b5fa5", "#222222"
@@ -99,6 +103,59 @@ class ReplayPanel(PlayerPanel):
             student={"associate": associate, "joint_distance": joint_distance},
             unfinished="Finish exercises 11.3 and 11.4 to see the replay.",
         )
+
+
+class RoomPanel(WorldPlayer):
+    """The lesson's drive with the student's filter, in the room, picture by picture.
+
+    Parameters
+    ----------
+    EkfSlam : type
+        The student's.
+    associate : callable
+        Association that the filter uses; by default joint compatibility.
+    """
+
+    def __init__(
+        self,
+        EkfSlam: Callable[..., Any],  # noqa: N803 - the students' name
+        associate: Associate = associate_jointly,
+    ) -> None:
+        """Begin at the start of the drive."""
+        self._associate = associate
+        super().__init__(
+            "The drive in the room",
+            WorldView(FIELD),
+            self._show_step,
+            Slider(
+                "step", "Picture", 0, len(the_drive().log) - 1, 1, 0, tooltip=f"{len(YAWS)} pictures a stop"
+            ),
+            speeds={"2 a second": 2.0, "5 a second": 5.0},
+            student={"EkfSlam": EkfSlam},
+            unfinished="Finish exercise 11.5 to see your filter drive.",
+        )
+
+    def _show_step(self, values: Any, student: Any) -> Iterator[str]:
+        """Show the true robot with its measurements, then the estimate after the update with them."""
+        drive, step = the_drive(), int(values.step)
+        _, seen = drive.log[step]
+        true_rays = [Ray(tuple(LANDMARKS[number].tolist())) for number in drive.origins[step] if number >= 0]
+        paths = {"truth": drive.poses[: step + 1]}
+        head = (YAWS[step % len(YAWS)], HEAD_PITCH)
+        self.world.update(Pose.from_array(drive.poses[step]), None, head=head, rays=true_rays, paths=paths)
+        slam = student.EkfSlam(drive.start, OdometryNoisePerMove(), DRIVE_GATE, association=self._associate)
+        estimates = run_slam(slam, drive.log[: step + 1])
+        now = estimates[-1]
+        measured = [
+            Ray((x, y), source="ekf")
+            for x, y in measured_points(seen, now.pose).tolist()
+            if np.isfinite((x, y)).all()
+        ]
+        path = [each.pose for each in estimates]
+        self.world.update(estimate=now, rays=[*true_rays, *measured], paths={**paths, "ekf": path})
+        off = 100 * float(np.hypot(*(now.pose.as_array() - drive.poses[step])[:2]))
+        deviation = 100 * float(np.sqrt(max(np.linalg.eigvalsh(now.covariance[:2, :2])[-1], 0.0)))
+        yield f"Off by {off:.0f} cm, with a standard deviation of {deviation:.0f} cm at most."
 
 
 def _given(each: AssociationProblem, gate: float) -> tuple[Any, ...]:

@@ -1,14 +1,13 @@
-"""A panel whose picture is a view of the world."""
+"""Panels whose picture is a view of the world."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from nao_course.plotting import Drawing
 from nao_course.widgets.function_panel import FunctionPanel, Show
-from nao_course.widgets.inputs import Control
 from nao_course.widgets.parts import box
+from nao_course.widgets.player import PlayerPanel
 from nao_course.widgets.world.view import WorldView, drawing_of
 
 
@@ -24,20 +23,19 @@ class WorldPanel(FunctionPanel):
     show : callable
         ``show(values, student)`` calls ``world.update(...)``, and returns or yields texts and tables as for a
         `FunctionPanel`.
-    controls : sequence of Control
-        The controls.
-    **options
+    *controls, **options
         Further arguments of `FunctionPanel`.
     """
 
-    css = ".nao-function .nao-world-main { overflow: visible; align-items: stretch; }"
+    css = """
+.nao-function .nao-world-main { overflow: visible; align-items: stretch; }
+@container (max-width: 860px) { .nao-beside.nao-function .nao-body { grid-template-columns: minmax(0, 1fr); } }
+"""
 
-    def __init__(
-        self, title: str, world: WorldView, show: Show, controls: Sequence[Control], **options: Any
-    ) -> None:
+    def __init__(self, title: str, world: WorldView, show: Show, *controls: Any, **options: Any) -> None:
         """Build the widgets, and show the results for the first values."""
         self.world = world
-        super().__init__(title, show, controls, **options)
+        super().__init__(title, show, *controls, **options)
 
     def summary(self) -> str:
         """Return the controls' values, the results and the contents of the view as text."""
@@ -55,3 +53,7 @@ class WorldPanel(FunctionPanel):
         main = box("V", "nao-world-main", self.world.widget, pictures)
         main.add_class("nao-main")
         body.children = (main, *others)
+
+
+class WorldPlayer(WorldPanel, PlayerPanel):
+    """A view of the world with a slider that plays; `controls` and `options` are those of `PlayerPanel`."""
