@@ -240,7 +240,9 @@ def drawing_of(pixels: Pixels, alt: str) -> Drawing:
     """Return a picture (H, W, 3) as a figure of the same size."""
     height, width = pixels.shape[:2]
     figure = Figure(figsize=(width / 100, height / 100), dpi=100)
-    figure.figimage(pixels)
+    ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    ax.set_axis_off()
+    ax.imshow(pixels, interpolation="none")
     return Drawing(figure, alt, photo=True)
 
 

@@ -28,5 +28,5 @@ def test_the_joints_reach_their_limits():
 
 def test_where_no_widget_lives_there_is_the_view_as_a_picture():
     bundle = HeadPanel()._repr_mimebundle_()
-    assert bundle["text/html"].startswith('<img alt="The NAO and its cameras')
+    assert 'alt="The NAO and its cameras' in bundle["text/html"]
     assert "Head yaw 0" in bundle["text/plain"]
