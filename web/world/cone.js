@@ -1,8 +1,8 @@
 // The view cone of a camera, with its current picture in it.
 import {
-  BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
-  SRGBColorSpace, Texture, Vector3,
+  BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, Vector3,
 } from "three";
+import { pictureTexture } from "./room.js";
 
 export class Cone {
   constructor({ pose, rays, distance }, opacities, colour, changed) {
@@ -25,9 +25,7 @@ export class Cone {
     geometry.setAttribute("position", new BufferAttribute(positions, 3));
     geometry.setAttribute("uv", new BufferAttribute(uv, 2));
     geometry.setIndex(indices);
-    this.texture = new Texture();
-    this.texture.colorSpace = SRGBColorSpace;
-    this.texture.flipY = false;
+    this.texture = pictureTexture();
     this.material = new MeshBasicMaterial({ map: this.texture, transparent: true, side: DoubleSide, depthWrite: false });
     this.picture = new Mesh(geometry, this.material);
     this.picture.visible = false;

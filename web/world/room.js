@@ -1,7 +1,7 @@
 // The parts that do not move: floor, carpet, lines, goals and walls.
 import {
-  BufferAttribute, BufferGeometry, CanvasTexture, CylinderGeometry, Group, Mesh, MeshBasicMaterial,
-  SRGBColorSpace, Texture, Vector3,
+  BufferAttribute, BufferGeometry, CanvasTexture, CylinderGeometry, Group, LinearFilter, Mesh,
+  MeshBasicMaterial, SRGBColorSpace, Texture, Vector3,
 } from "three";
 import { Shaded } from "./shaded.js";
 
@@ -25,6 +25,16 @@ export function groundQuads(quads, height) {
   geometry.setAttribute("uv", new BufferAttribute(uv, 2));
   geometry.setIndex(indices);
   return geometry;
+}
+
+// A texture of a picture without smaller copies, which would take time at each change.
+export function pictureTexture() {
+  const texture = new Texture();
+  texture.colorSpace = SRGBColorSpace;
+  texture.flipY = false;
+  texture.minFilter = LinearFilter;
+  texture.generateMipmaps = false;
+  return texture;
 }
 
 export function shadowTexture() {
@@ -58,7 +68,12 @@ export class Room {
       mesh.renderOrder = order;
       this.group.add(mesh);
     };
-    add([scene.floor], 0, new MeshBasicMaterial({ color: colours.floor }), -10);
+    // Only the frame around the carpet: without a graphics card, each layer takes time.
+    const frame = scene.floor.map((corner, i) => {
+      const next = (i + 1) % 4;
+      return [corner, scene.floor[next], scene.carpet[next], scene.carpet[i]];
+    });
+    add(frame, 0, new MeshBasicMaterial({ color: colours.floor }), -10);
     add([scene.carpet], LEVEL.carpet, new MeshBasicMaterial({ color: colours.carpet }), -9);
     add(scene.lines, LEVEL.lines, new MeshBasicMaterial({ color: colours.lines }), -8);
     const paint = new Shaded(colours.goal);
@@ -73,9 +88,7 @@ export class Room {
     geometry.setAttribute("position", new BufferAttribute(positions, 3));
     geometry.setAttribute("uv", new BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
     geometry.setIndex([0, 1, 2, 0, 2, 3]);
-    const texture = new Texture();
-    texture.colorSpace = SRGBColorSpace;
-    texture.flipY = false;
+    const texture = pictureTexture();
     const material = new MeshBasicMaterial({ map: texture, transparent: true, depthWrite: false, side: 2 });
     const mesh = new Mesh(geometry, material);
     mesh.visible = false;
