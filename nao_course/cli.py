@@ -331,12 +331,13 @@ def export(
     lesson: str = typer.Option("", help="Number of a lesson; by default all."),
     sheet: Path = typer.Option(None, help="Sheet of Moodle or Canvas to fill in."),
     column: str = typer.Option("", help="Column of that sheet for the points, or the beginning of its name."),
+    scale: bool = typer.Option(False, "--scale", help="Scale points to the maximum in that sheet."),
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
     with _plainly():
         from nao_course.instructor import commands
 
-        for line in commands.export(grades, format_, lesson, sheet, column):
+        for line in commands.export(grades, format_, lesson, sheet, column, scale=scale):
             _say(line)
 
 
@@ -346,12 +347,13 @@ def marks(
     file: Path | None = typer.Argument(
         None, help="Sheet with marks to read; without it, empty sheets are written."
     ),
+    anonymous: bool = typer.Option(False, "--anonymous", help="Write sheets with codes instead of names."),
 ) -> None:
     """Write sheets for marking the written answers, or read a completed sheet (instructors)."""
     with _plainly():
         from nao_course.instructor import commands
 
-        for line in commands.marks(grades, file):
+        for line in commands.marks(grades, file, anonymous=anonymous):
             _say(line)
 
 

@@ -329,7 +329,13 @@ def override(result: SubmissionResult, change: str, reason: str) -> Override:
 
 
 def export(
-    grades: Path, format_: str, lesson: str = "", sheet: Path | None = None, column: str = ""
+    grades: Path,
+    format_: str,
+    lesson: str = "",
+    sheet: Path | None = None,
+    column: str = "",
+    *,
+    scale: bool = False,
 ) -> Iterator[str]:
     """Write grades for another system; yield what to say about it.
 
@@ -345,6 +351,8 @@ def export(
         A platform's own, to be filled in.
     column : str
         Of that sheet, where the points go.
+    scale : bool
+        Whether points are scaled to the maximum in that sheet.
 
     Raises
     ------
@@ -356,29 +364,32 @@ def export(
         return
     with Journal(grades, make=False) as journal:
         if format_ in platforms.PLATFORMS:
-            yield from _platform(journal, grades, format_, lesson, sheet, column)
+            yield from _platform(journal, grades, format_, lesson, sheet, column, scale)
             return
         yield f"wrote {exports.write_csv(journal, grades / exports.FOLDER, _lesson(journal, lesson))}"
 
 
 def _platform(
-    journal: Journal, grades: Path, platform: str, lesson: str, sheet: Path | None, column: str
+    journal: Journal, grades: Path, platform: str, lesson: str, sheet: Path | None, column: str, scale: bool
 ) -> Iterator[str]:
-    """Fill in a platform's sheet and, for Moodle, make the zip of feedback."""
+    """Fill in a platform's sheet and make the zip of feedback."""
     if sheet is None:
         raise exports.ExportError(f"{platform}'s own sheet is filled in: say --sheet THEIRS.csv")
     name = _lesson(journal, lesson) or _only_lesson(journal)
     made = exports.all_scores(journal, name)
-    filled = platforms.fill_sheet(platform, sheet, made, column)
+    filled = platforms.fill_sheet(platform, sheet, made, column, scale=scale)
     folder = grades / exports.FOLDER
     path = write_whole(folder / f"{platform}_{name}.csv", filled.table)
     yield f"wrote {path}: {say_count(filled.filled, 'row')} filled in"
-    if platform == "moodle":
-        pages = {each.result.student: feedback_page(each).encode() for each in made}
-        archive, _ = platforms.moodle_feedback(pages)
-        path = write_whole(folder / f"moodle_feedback_{name}.zip", archive)
-        yield f"wrote {path}: for Moodle's 'Upload multiple feedback files in a zip'"
-    for said, who in (("Graded, but in no row", filled.without_row), ("Not graded", filled.without_grade)):
+    pages = [(each.result, feedback_page(each).encode()) for each in made]
+    archive, without = platforms.feedback_zip(platform, pages)
+    path = write_whole(folder / f"{platform}_feedback_{name}.zip", archive)
+    yield f"wrote {path}: for {platforms.UPLOADS[platform]}"
+    for said, who in (
+        ("Graded, but in no row", filled.without_row),
+        ("Not graded", filled.without_grade),
+        ("Not in the zip of feedback, because the file's name is not the platform's", without),
+    ):
         if who:
             yield f"{said}: {', '.join(who)}"
 
@@ -418,7 +429,7 @@ def _lesson(journal: Journal, wanted: str) -> str | None:
     return meant[0]
 
 
-def marks(grades: Path, file: Path | None) -> Iterator[str]:
+def marks(grades: Path, file: Path | None, *, anonymous: bool = False) -> Iterator[str]:
     """Write the marking sheets, or read one back and renew the feedback; yield what to say about it.
 
     Parameters
@@ -427,6 +438,8 @@ def marks(grades: Path, file: Path | None) -> Iterator[str]:
         Folder of the journal.
     file : Path or None
         A sheet that is filled in.
+    anonymous : bool
+        Whether the sheets that are written name students by codes.
 
     Raises
     ------
@@ -435,9 +448,9 @@ def marks(grades: Path, file: Path | None) -> Iterator[str]:
     """
     with Journal(grades, make=False) as journal:
         if file is None:
-            yield from _sheets(journal, grades)
+            yield from _sheets(journal, grades, anonymous)
             return
-        taken = marking_sheets.read_marks(journal, file)
+        taken = marking_sheets.read_marks(journal, file, load_secret())
         yield f"{say_count(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
         changed = {(each.student, each.lesson) for each in taken.changed}
         write = feedback_writer(journal, grades / FEEDBACK)
@@ -452,8 +465,9 @@ def marks(grades: Path, file: Path | None) -> Iterator[str]:
             yield "Nothing is left to mark in it."
 
 
-def _sheets(journal: Journal, grades: Path) -> Iterator[str]:
-    written = marking_sheets.write_sheets(journal, grades / marking_sheets.FOLDER)
+def _sheets(journal: Journal, grades: Path, anonymous: bool) -> Iterator[str]:
+    folder = grades / marking_sheets.FOLDER
+    written = marking_sheets.write_sheets(journal, folder, load_secret(), anonymous=anonymous)
     for each in written:
         yield f"wrote {each.table} and .html: {say_count(each.answers, 'answer')}, {each.open} to mark"
     if written:

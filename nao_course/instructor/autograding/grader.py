@@ -172,18 +172,16 @@ def _grade(
         written=_written(assignment, found.written),
         notes=(*submission.notes, *_remarks(found, assignment), *attempts),
         left_out=submission.notes,
+        handed_in=submission.handed_in,
+        late=submission.late,
     )
     return result, deaths
 
 
 def refuse(submission: Submission, assignment: Assignment, reason: str, digest: str = "") -> SubmissionResult:
     """Return the result of a submission that cannot be graded: 0 points, and why."""
-    exercises = [
-        ExerciseResult(
-            each.public.name, each.public.number, each.public.points, 0.0, "not found", 0, len(each.hidden)
-        )
-        for each in assignment.tasks
-    ]
+    tasks = ((each.public, len(each.hidden)) for each in assignment.tasks)
+    exercises = [ExerciseResult(it.name, it.number, it.points, 0.0, "not found", 0, n) for it, n in tasks]
     return SubmissionResult(
         submission.student,
         submission.lesson,
@@ -196,6 +194,8 @@ def refuse(submission: Submission, assignment: Assignment, reason: str, digest: 
         written=_written(assignment, {}),
         notes=submission.notes,
         left_out=submission.notes,
+        handed_in=submission.handed_in,
+        late=submission.late,
     )
 
 

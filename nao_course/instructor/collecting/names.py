@@ -27,8 +27,11 @@ LONGEST_NAME = 100
 # Characters of a file's name in which a lesson is looked for: more than file systems take.
 LONGEST_FILE = 1000
 _MOODLE = re.compile(r"(?P<student>.+_\d+)_assignsubmission_[a-z]+_?(?P<file>.*)", re.DOTALL)
+_ONLINE_TEXT = re.compile(r".+_\d+_assignsubmission_onlinetext(?:_.*)?", re.DOTALL)
 _PLATFORMS = re.compile(r"_\d++_assignsubmission_")
-_CANVAS = re.compile(r"(?P<student>[^_]+)(?:_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL)
+_CANVAS = re.compile(
+    r"(?P<student>[^_]+)(?P<late>_LATE)?_(?P<user>\d+)_(?P<handed_in>\d+)_(?P<file>.+)", re.DOTALL
+)
 # What browsers, Jupyter and people put behind a name. Possessive: a student's name of any length costs one pass.
 _COPY = re.compile(r"(?:[ _-]*+(?:\(\d++\)|(?:copy|kopie|v|final) ?+\d*+|\d++))*+[ _-]*+", re.IGNORECASE)
 _RECEIPT = re.compile(r"submission-\d{8}-\d{6}", re.IGNORECASE)
@@ -50,11 +53,14 @@ class NamedFile:
         What it is called, without what a platform added.
     order : tuple of int
         Of two files of one name the larger one counts: for Canvas, how often it was handed in again and its number.
+    late : bool
+        Whether the platform says that it was handed in late: Canvas does so in the file's name.
     """
 
     student: str
     file: str
     order: tuple[int, int] = (0, 0)
+    late: bool = False
 
 
 def name_file(parts: tuple[str, ...], lessons: Sequence[str]) -> NamedFile | None:
@@ -98,6 +104,24 @@ def student_of_a_platforms(file: str, lessons: Sequence[str]) -> str:
     return found.student if found else ""
 
 
+def canvas_name(path: str) -> str:
+    """Return the name that Canvas gave to a file that was handed in, without its suffix; empty if it is not one.
+
+    Parameters
+    ----------
+    path : str
+        The file, or a file in a zip that was handed in: ``x.zip/01_hsl_filtering.ipynb``.
+
+    Examples
+    --------
+    >>> canvas_name("lovelaceada_123456_7890123_01_hsl_filtering.ipynb")
+    'lovelaceada_123456_7890123_01_hsl_filtering'
+    """
+    first = path.partition("/")[0]
+    stem = first.rpartition(".")[0] or first
+    return stem if _CANVAS.fullmatch(_of_a_platform(first)) else ""
+
+
 def _canvas(name: str, lessons: Sequence[str]) -> NamedFile | None:
     """Return the student of a file named by Canvas."""
     if not (found := _CANVAS.fullmatch(_of_a_platform(name))):
@@ -108,7 +132,7 @@ def _canvas(name: str, lessons: Sequence[str]) -> NamedFile | None:
     if not (lesson_of(file, lessons) or _RECEIPT.match(file)) and _plain(name, lessons):
         return None  # mueller_123456_01_hsl_filtering.ipynb has numbers like Canvas's, but it is not one of its names
     order = (int(again[1]) if again else 0, int(found["handed_in"][:18]))
-    return NamedFile(f"{found['student']}_{found['user']}", file, order)
+    return NamedFile(f"{found['student']}_{found['user']}", file, order, bool(found["late"]))
 
 
 def _plain(name: str, lessons: Sequence[str]) -> NamedFile | None:
@@ -174,6 +198,17 @@ def mentions_a_lesson(file: str, lessons: Sequence[str]) -> bool:
 def is_a_platforms(folder: str) -> bool:
     """Return True if a folder is named like Moodle's folder of one student."""
     return bool(_MOODLE.fullmatch(_of_a_platform(folder)))
+
+
+def is_online_text(first: str) -> bool:
+    """Return whether a folder, or a file in none, has what a student typed into Moodle's text field.
+
+    Examples
+    --------
+    >>> is_online_text("Ada Lovelace_1234567_assignsubmission_onlinetext_")
+    True
+    """
+    return bool(_ONLINE_TEXT.fullmatch(_of_a_platform(first)))
 
 
 def safe_name(student: str) -> str:

@@ -7,7 +7,7 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime
+from datetime import UTC, datetime
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from nao_course.instructor.collecting.names import (
     NamedFile,
     clean_name,
     is_a_platforms,
+    is_online_text,
     lesson_of,
     mentions_a_lesson,
     name_file,
@@ -28,6 +29,7 @@ from nao_course.instructor.collecting.wrappers import reason_for, students_in, s
 _MOST_NOTES = 20
 _ALIKE = "{} folders or files have names that are too similar to assign them to students: rename them"
 _MOVE_ZIPS = "Put each zip into a folder that is named after its student"
+_STAMPED = re.compile(rb'"nao_course"\s*:\s*\{[^{}]{0,200}?"lesson"\s*:\s*"([^"\\]{1,100})"')
 _MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
 
 
@@ -51,6 +53,10 @@ class Submission:
         Its name as it was handed in.
     earlier : tuple of Submission
         The same student's submissions of earlier lessons whose functions this one uses.
+    handed_in : str
+        When a zip of `nao-course submit` was packed, in UTC and by the student's clock; empty for other files.
+    late : bool
+        Whether the platform says that it was handed in late.
     """
 
     student: str
@@ -61,6 +67,8 @@ class Submission:
     reason: str = ""
     file: str = ""
     earlier: tuple[Submission, ...] = ()
+    handed_in: str = ""
+    late: bool = False
 
 
 @dataclass(frozen=True)
@@ -177,9 +185,17 @@ class _Candidate:
     """A notebook that may be a student's submission."""
 
     item: Item
-    order: tuple[Any, ...]
+    order: tuple[Any, ...]  # first what the platform says, then the time
     home: tuple[Any, ...]  # helpers with the same one belong to it
     shown: str
+    late: bool
+    packed: float  # when its zip of `nao-course submit` was made; 0 without one
+    is_named: bool  # after its lesson; otherwise only its metadata name the lesson
+
+    @property
+    def is_dated(self) -> bool:
+        """Return whether the time is known: the times in Moodle's zip are those of the download."""
+        return bool(self.packed) or self.item.entry is None or not is_a_platforms(self.item.parts[0])
 
 
 class _Search:
@@ -210,7 +226,8 @@ class _Search:
         name = name_file(item.parts, self.lessons)
         self.owner = name.student if name else ""
         self.owners.setdefault(self.owner, False)
-        if item.ignored:
+        is_work = item.parts[-1].lower().endswith((".ipynb", ".zip"))
+        if item.ignored or (is_online_text(first) and not is_work):
             return
         shown = clean_name("/".join(item.parts))
         if name is None:
@@ -223,7 +240,7 @@ class _Search:
         elif name.file.lower().endswith(".zip"):
             self.look_into(item, name, shown)
         else:
-            self.take(item, name, (item.source.parent, item.parts[:-1]), name.order, item.time, shown)
+            self.take(item, name, (item.source.parent, item.parts[:-1]), item.time, shown)
 
     def look_into(self, item: Item, name: NamedFile, shown: str) -> None:
         """Sort in what a student's zip holds."""
@@ -251,38 +268,55 @@ class _Search:
             if several:
                 self.leave_out(shown, reason_for(several, "Grade this zip by itself"))
                 return
-        time = _receipt_time(inside) or item.time
+        packed = _receipt_time(inside)
         if not any(
             each.parts[-1].lower().endswith((".ipynb", ".zip")) for each in inside if not each.ignored
         ):
             self.leave_out(shown, "no notebook is in it")
         for each in inside:
             within = f"{shown}/{clean_name('/'.join(each.parts))}"
-            inner = NamedFile(name.student, each.parts[-1], name.order)
+            inner = replace(name, file=each.parts[-1])
             if each.ignored:
                 continue
             if inner.file.lower().endswith(".zip"):
                 self.leave_out(within, "a zip within a zip is not opened")
             else:
-                self.take(each, inner, (path, each.parts[:-1]), name.order, time, within)
+                self.take(each, inner, (path, each.parts[:-1]), packed or item.time, within, packed)
                 if not is_certain and (lesson := lesson_of(inner.file, self.lessons)):
                     self.zips[item.parts[:-1], lesson].add(item.parts[-1].rpartition(".")[0])
 
     def take(
-        self, item: Item, name: NamedFile, place: tuple[Any, ...], order: Any, time: float, shown: str
+        self,
+        item: Item,
+        name: NamedFile,
+        place: tuple[Any, ...],
+        time: float,
+        shown: str,
+        packed: float = 0.0,
     ) -> None:
         """Sort in a notebook or helper."""
         home = (name.student, *place)
         if name.file.lower().endswith(".ipynb"):
-            lesson = lesson_of(name.file, self.lessons)
-            if lesson:
-                self.add(item, name, lesson, home, (order, time), shown)
+            named = lesson_of(name.file, self.lessons)
+            if lesson := named or self.wanted_by_metadata(item):
+                self.add(item, name, lesson, home, (name.order, time), shown, packed, is_named=bool(named))
             else:
                 self.leave_out(shown, "it is named after no lesson of this course")
         elif _MODULE.fullmatch(name.file):
             self.helpers[home].append((name.file, item))
         else:
             self.leave_out(shown, item.problem or "it is no notebook", item.size)
+
+    def wanted_by_metadata(self, item: Item) -> str:
+        """Return the only wanted lesson if the metadata of a notebook name it; otherwise an empty string."""
+        if len(self.wanted) != 1:
+            return ""
+        try:
+            # A notebook's own text cannot match: quotation marks in it are escaped.
+            found = set(_STAMPED.findall(item.content(MOST_BYTES)))
+        except Refused:
+            return ""
+        return self.wanted[0] if found == {self.wanted[0].encode()} else ""
 
     def leave_out(self, shown: str, reason: str, size: int = 0) -> None:
         """Record a path that is not graded. A notebook, a zip or a folder may be a student's work."""
@@ -309,6 +343,9 @@ class _Search:
         home: tuple[Any, ...],
         order: tuple[Any, ...],
         shown: str,
+        packed: float = 0.0,
+        *,
+        is_named: bool = True,
     ) -> None:
         """Remember a notebook."""
         if not item.problem and item.size == 0:
@@ -321,7 +358,8 @@ class _Search:
         key = (clean_name(name.student), lesson)
         self.spellings[key[0]].add(name.student)
         found = self.candidates[key]
-        found.append(_Candidate(item, (*order, shown, len(found)), home, shown))  # a zip's later one counts
+        order = (*order, shown, len(found))  # a zip's later one counts
+        found.append(_Candidate(item, order, home, shown, name.late, packed, is_named))
 
     def result(self) -> Gathered:
         """Choose what counts and unpack it."""
@@ -367,14 +405,25 @@ class _Search:
 
     def choose(self, student: str, lesson: str) -> Submission:
         """Return the newest readable submission, or else the newest one with the reason why it is refused."""
-        newest = sorted(self.candidates[student, lesson], key=lambda each: each.order, reverse=True)
+        newest = sorted(
+            self.candidates[student, lesson], key=lambda each: (each.is_named, each.order), reverse=True
+        )
         best = next((each for each in newest if not each.item.problem), newest[0])
         others = [each for each in newest if each is not best]
-        notes = [
-            f"{each.shown} does not count: {each.item.problem or 'another one is newer'}"
-            for each in others[:_MOST_NOTES]
-        ]
-        made = Submission(student, lesson, best.item.source, file=best.shown, reason=best.item.problem)
+        notes = [f"{each.shown} does not count: {_why_not(each, best)}" for each in others[:_MOST_NOTES]]
+        if not best.is_named:
+            notes.insert(0, f"{best.shown} counts as {lesson}, because its metadata name that lesson")
+        made = Submission(
+            student,
+            lesson,
+            best.item.source,
+            file=best.shown,
+            reason=best.item.problem,
+            handed_in=datetime.fromtimestamp(best.packed, UTC).isoformat(" ", "minutes")
+            if best.packed
+            else "",
+            late=best.late,
+        )
         if len(self.spellings[student]) > 1:
             made = replace(made, reason=_ALIKE.format(len(self.spellings[student])))
         if made.reason:
@@ -405,6 +454,17 @@ class _Search:
         folder.mkdir(parents=True)
         (folder / name).write_bytes(content)
         return folder / name
+
+
+def _why_not(other: _Candidate, best: _Candidate) -> str:
+    """Return the reason why a notebook does not count beside the one that does."""
+    if other.item.problem:
+        return other.item.problem
+    if best.is_named > other.is_named:
+        return "another one has the lesson's name"
+    if best.order[0] == other.order[0] and not (best.is_dated and other.is_dated):
+        return "another one counts"
+    return "another one is newer" if best.order[:2] > other.order[:2] else "another one counts"
 
 
 def _each_student_first(lines: list[str]) -> tuple[str, ...]:

@@ -125,6 +125,10 @@ class SubmissionResult:
         How long it took; no part of what two runs must agree in.
     left_out : tuple of str
         Notes on files that were made before any code ran; the student sees them, too.
+    handed_in : str
+        When it was packed, in UTC and by the student's clock; empty where nothing tells it.
+    late : bool
+        Whether the platform says that it was handed in late.
     """
 
     student: str
@@ -140,6 +144,8 @@ class SubmissionResult:
     level: str = ""
     seconds: float = field(default=0.0, compare=False)
     left_out: tuple[str, ...] = ()
+    handed_in: str = ""
+    late: bool = False
 
     @property
     def attempts(self) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import ExerciseResult, State
+from nao_course.instructor.gradebook.records import ExerciseResult, State, SubmissionResult
 from nao_course.instructor.gradebook.scores import Score
 from nao_course.instructor.reports.exports import all_scores
 from nao_course.instructor.reports.html import (
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 HARDEST = 5  # exercises that are named
-MOST_LISTED = 200  # refused submissions
+MOST_LISTED = 200  # submissions of one kind
 MOST_MISTAKES = 30  # of a lesson that are named
 _KINDS: dict[
     str, tuple[str, str, tuple[State, ...]]
@@ -147,6 +147,7 @@ def _lesson(lesson: str, made: Sequence[Score]) -> Iterator[Markup]:
         yield from _hardest(exercises)
         yield _exercises_table(exercises)
         yield from _mistakes_table(mistakes_of(graded))
+    yield from _handed_in([each.result for each in made if each.result.handed_in or each.result.late])
     if refused:
         rows = [(each.result.student, each.result.reason or "no reason was recorded") for each in refused]
         yield from _named(f"Refused: {len(refused)}", rows)
@@ -173,6 +174,26 @@ def _summary(made: Sequence[Score], graded: Sequence[Score]) -> Markup:
         rows.insert(1, ("Points", f"{middle}; from {number(min(earned))} to {number(max(earned))}"))
     cells = [element("tr", element("th", name, scope="row"), element("td", text)) for name, text in rows]
     return element("table", element("tbody", *cells))
+
+
+def _handed_in(known: Sequence[SubmissionResult]) -> Iterator[Markup]:
+    """Return a table of the submissions that have a time or are late, the late ones first."""
+    if not known:
+        return
+    head = element("tr", *(element("th", name, scope="col") for name in ("student", "handed in", "late")))
+    rows = [
+        element(
+            "tr",
+            element("th", element("bdi", each.student), scope="row"),
+            element("td", each.handed_in),
+            element("td", "yes" if each.late else ""),
+        )
+        for each in sorted(known, key=lambda each: not each.late)[:MOST_LISTED]
+    ]
+    yield element("h3", f"Handed in, {sum(each.late for each in known)} late")
+    yield card(element("table", element("thead", head), element("tbody", *rows)))
+    if len(known) > MOST_LISTED:
+        yield element("p", f"and {len(known) - MOST_LISTED} more", class_="soft")
 
 
 def exercises_of(graded: Sequence[Score]) -> list[ExerciseSummary]:

@@ -20,6 +20,7 @@ from nao_course.instructor.reports.spreadsheets import table
 FORMATS = ("csv", "gradescope", *PLATFORMS)
 FOLDER = "exports"  # in GRADES
 _MISSING = "not handed in"
+_ABOUT = ("points", "out of", "status", "handed in", "late", "notes")  # columns of each lesson
 
 
 class ExportError(ValueError):
@@ -73,7 +74,7 @@ def csv_table(made: Sequence[Score]) -> bytes:
     header = ["student"]
     for lesson in lessons:
         header += [f"{number} {name}".strip() for number, name in columns[lesson]]
-        header += [f"{lesson} {what}" for what in ("points", "out of", "status", "notes")]
+        header += [f"{lesson} {what}" for what in _ABOUT]
     rows: list[list[str | float | None]] = [[*header, "total"]]
     for student in students:
         theirs = [by_key.get((student, lesson)) for lesson in lessons]
@@ -94,7 +95,7 @@ def _columns(made: Iterable[Score]) -> list[tuple[str, str]]:
 
 def _cells(score: Score | None, columns: Sequence[tuple[str, str]]) -> list[str | float | None]:
     if score is None:
-        return [*(None for _ in columns), None, None, _MISSING, ""]
+        return [*(None for _ in columns), None, None, _MISSING, "", "", ""]
     given: dict[tuple[str, str], float | None] = {
         (each.number, each.name): score.of(each) for each in score.result.exercises
     }
@@ -104,6 +105,8 @@ def _cells(score: Score | None, columns: Sequence[tuple[str, str]]) -> list[str 
         score.earned,
         score.points,
         score.result.status,
+        score.result.handed_in,
+        "yes" if score.result.late else "",
         "; ".join(_notes(score)),
     ]
 

@@ -25,6 +25,7 @@ from nao_course.instructor.reports.html import (
     element,
     join,
     lesson_title,
+    markdown,
     number,
     page,
     prose,
@@ -294,7 +295,7 @@ def _answer(score: Score, answer: WrittenAnswer) -> Iterator[Markup]:
     points = f"{number(given)} of {_points(answer.points)}" if given is not None else _points(answer.points)
     title = element("h3", answer.number, " " if answer.number else "", "In your own words")
     yield element("div", title, element("span", points, class_="points"), class_="top")
-    yield element("p", prose(_cut(answer.question)))
+    yield element("p", markdown(_cut(answer.question)))
     if answer.text.strip():
         yield element("p", "You wrote:", class_="label")
         yield element("div", _cut(answer.text.strip()), class_="said", dir="auto")
@@ -348,9 +349,9 @@ def _refused(result: SubmissionResult) -> Iterator[Markup]:
 
 
 def _left_out(result: SubmissionResult) -> Iterator[Markup]:
-    """Name the student's files that did not count, each with the reason."""
+    """Name the student's files that did not count or have another name, each with the reason."""
     if result.left_out:
-        yield _box("warn", "Files that were left out", "\n".join(result.left_out))
+        yield _box("warn", "Notes on your files", "\n".join(result.left_out))
 
 
 def _footer(result: SubmissionResult) -> Markup:

@@ -18,6 +18,7 @@ _STACKED = re.compile(
     r"([\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]{4})(?:[\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]+)"
 )
 _CODE = re.compile(r"`([^`\n]+)`")
+_EMPHASIS = re.compile(r"(?<![\w*])\*(?=[^\s*])([^*\n]*[^\s*])\*(?![\w*])")
 _VOID = {"meta", "img"}
 
 STYLE = """
@@ -156,6 +157,23 @@ def prose(text: str) -> Markup:
     """Return the text with parts in `backticks` set as code."""
     parts = _CODE.split(text)
     return join(*(element("code", part) if at % 2 else part for at, part in enumerate(parts)))
+
+
+def markdown(text: str) -> Markup:
+    """Return an author's text with parts in `backticks` set as code and parts in *asterisks* emphasised.
+
+    Examples
+    --------
+    >>> markdown("2 * 3 *or* `a*b*c`")
+    '2 * 3 <em>or</em> <code>a*b*c</code>'
+    """
+    parts = _CODE.split(text)
+    return join(*(element("code", part) if at % 2 else _emphasised(part) for at, part in enumerate(parts)))
+
+
+def _emphasised(text: str) -> Markup:
+    parts = _EMPHASIS.split(text)
+    return join(*(element("em", part) if at % 2 else part for at, part in enumerate(parts)))
 
 
 def card(*content: Content, class_: str = "card") -> Markup:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
+from nao_course.instructor.autograding.secret import keyed
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, WrittenAnswer
@@ -17,9 +18,9 @@ from nao_course.instructor.reports.html import (
     Markup,
     element,
     lesson_title,
+    markdown,
     number,
     page,
-    prose,
     visible,
     write_whole,
 )
@@ -29,6 +30,7 @@ FOLDER = "marking"  # in GRADES
 HEADER = ("student", "lesson", "question", "answer", "points", "comment", "max points")
 MOST_SAID = 20  # problems of a file that are listed
 _NUMBER = re.compile(r"[0-9]{1,6}(?:[.,][0-9]{0,6})?|[.,][0-9]{1,6}", re.ASCII)
+_CODE = re.compile(r"student-[0-9a-f]{10}")
 
 Key = tuple[str, str, str]  # student, lesson, question; as a table shows them
 
@@ -46,7 +48,8 @@ class Sheet:
     table, page : Path
         To fill in, and to read.
     answers, open : int
-        How many there are, and how many of them nobody has marked.
+        How many answers there are, and how many of them nobody has marked. Empty answers do not count: they have 0
+        points and no row.
     """
 
     table: Path
@@ -66,7 +69,8 @@ class Taken:
     changed : tuple of Mark
         Marks that are new or changed.
     open : tuple of (str, str)
-        Student and question, of the answers to the file's questions that nobody has marked yet.
+        Student, as the file names students, and question, of the answers to the file's questions that nobody has
+        marked yet.
     """
 
     read: int
@@ -80,6 +84,7 @@ class _Answer:
 
     score: Score
     answer: WrittenAnswer
+    code: str  # instead of the student's name, where marking is anonymous
 
     @property
     def key(self) -> Key:
@@ -93,8 +98,30 @@ class _Answer:
     def is_open(self) -> bool:
         return self.score.of_answer(self.answer) is None
 
+    @property
+    def has_a_row(self) -> bool:
+        """Return whether there is something to mark: an empty answer already has its 0 points."""
+        return bool(self.answer.text.strip()) or self.mark is not None
 
-def write_sheets(journal: Journal, folder: Path) -> list[Sheet]:
+    def named(self, anonymous: bool) -> str:
+        """Return the student's name, or the code instead of it."""
+        return self.code if anonymous else self.score.result.student
+
+
+def student_code(secret: bytes, student: str) -> str:
+    """Return a code for a student, which only the secret's owner can compute.
+
+    Examples
+    --------
+    >>> student_code(b"0123456789abcdef", "ada")
+    'student-8d789114d3'
+    """
+    return f"student-{keyed(secret, 'anonymous marking', student)[:10]}"
+
+
+def write_sheets(
+    journal: Journal, folder: Path, secret: bytes = b"", *, anonymous: bool = False
+) -> list[Sheet]:
     """Write a table and a page for each written question; marks already given stand in them.
 
     Parameters
@@ -103,6 +130,10 @@ def write_sheets(journal: Journal, folder: Path) -> list[Sheet]:
         Of the class.
     folder : Path
         GRADES/marking.
+    secret : bytes
+        The instructor's, from which the codes are made.
+    anonymous : bool
+        Whether students are named by their codes, and ordered by them. `read_marks` finds the students.
 
     Returns
     -------
@@ -114,26 +145,39 @@ def write_sheets(journal: Journal, folder: Path) -> list[Sheet]:
     MarksError
         If a table that is there has marks that were not read in: nothing is written.
     """
-    answers = _answers(journal)
+    answers = _answers(journal, secret)
     questions: dict[tuple[str, str], list[_Answer]] = defaultdict(list)
     for each in answers:
         questions[each.key[1:]].append(each)
     paths = {question: folder / safe_name("_".join(question)) for question in questions}
-    known = {each.key: each for each in answers}
+    known = _by_key(answers)
     for path in paths.values():
         _refuse_to_lose(path.with_name(f"{path.name}.csv"), known)
-    return [_write_sheet(paths[question], given) for question, given in sorted(questions.items())]
+    return [_write_sheet(paths[question], given, anonymous) for question, given in sorted(questions.items())]
 
 
-def _answers(journal: Journal) -> list[_Answer]:
+def _answers(journal: Journal, secret: bytes) -> list[_Answer]:
     made = scores(journal.results(), (), journal.marks())
-    return [_Answer(score, answer) for score in made for answer in score.result.written]
+    return [
+        _Answer(score, answer, student_code(secret, score.result.student))
+        for score in made
+        for answer in score.result.written
+    ]
 
 
-def _write_sheet(path: Path, answers: Sequence[_Answer]) -> Sheet:
+def _by_key(answers: Iterable[_Answer]) -> dict[Key, _Answer]:
+    """Return the answers by the keys that a sheet may have for them: with the student's name or with the code."""
+    answers = list(answers)
+    return {(each.code, *each.key[1:]): each for each in answers} | {each.key: each for each in answers}
+
+
+def _write_sheet(path: Path, answers: Sequence[_Answer], anonymous: bool) -> Sheet:
+    if anonymous:
+        answers = sorted(answers, key=lambda each: each.code)
+    given = [each for each in answers if each.has_a_row]
     rows = [
         (
-            each.score.result.student,
+            each.named(anonymous),
             each.score.result.lesson,
             each.answer.name,
             each.answer.text,
@@ -141,12 +185,12 @@ def _write_sheet(path: Path, answers: Sequence[_Answer]) -> Sheet:
             each.mark.comment if each.mark else "",
             each.answer.points,
         )
-        for each in answers
+        for each in given
     ]
     return Sheet(
         write_whole(path.with_name(f"{path.name}.csv"), table([HEADER, *rows])),
-        write_whole(path.with_name(f"{path.name}.html"), _page(answers)),
-        len(answers),
+        write_whole(path.with_name(f"{path.name}.html"), _page(answers, anonymous)),
+        len(given),
         sum(each.is_open for each in answers),
     )
 
@@ -173,7 +217,7 @@ def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
 # --- back in ---
 
 
-def read_marks(journal: Journal, path: Path) -> Taken:
+def read_marks(journal: Journal, path: Path, secret: bytes = b"") -> Taken:
     """Read a table's marks into the journal, all or none of them.
 
     Parameters
@@ -182,6 +226,8 @@ def read_marks(journal: Journal, path: Path) -> Taken:
         Of the class.
     path : Path
         A table of `write_sheets`, filled in and saved by any spreadsheet. An answer without points stays as it is.
+    secret : bytes
+        The instructor's: that of `write_sheets`, where the table has codes instead of names.
 
     Returns
     -------
@@ -197,8 +243,8 @@ def read_marks(journal: Journal, path: Path) -> Taken:
         raise MarksError(
             f"there is no {path}: `nao-course marks GRADES` writes the sheets to GRADES/{FOLDER}/"
         )
-    answers = _answers(journal)
-    known = {each.key: each for each in answers}
+    answers = _answers(journal, secret)
+    known = _by_key(answers)
     rows = read_table(path, HEADER)
     marks: dict[Key, tuple[int, Mark]] = {}
     problems = [problem for row in rows for problem in _take(row, known, marks)]
@@ -210,12 +256,11 @@ def read_marks(journal: Journal, path: Path) -> Taken:
     if changed:
         journal.mark(changed)
     questions = {_key(row)[1:] for row in rows}
+    anonymous = any(known[key].code == row["student"] for row in rows if (key := _key(row)) in known)
     waiting = (
         each for each in answers if each.is_open and each.key not in marks and each.key[1:] in questions
     )
-    return Taken(
-        len(marks), changed, tuple((each.score.result.student, each.answer.name) for each in waiting)
-    )
+    return Taken(len(marks), changed, tuple((each.named(anonymous), each.answer.name) for each in waiting))
 
 
 def _take(row: Row, known: Mapping[Key, _Answer], marks: dict[Key, tuple[int, Mark]]) -> Iterator[str]:
@@ -263,6 +308,8 @@ def _unknown(key: Key, known: Iterable[Key]) -> str:
     hint = (
         " (save as CSV UTF-8: the name's letters were lost)" if "?" in student or "\ufffd" in student else ""
     )
+    if _CODE.fullmatch(student):
+        hint = " with this secret: read an anonymous sheet on the machine that wrote it, or copy its secret"
     return f"no student {student!r} was graded in {lesson}{hint}"
 
 
@@ -287,12 +334,12 @@ def _same(mark: Mark, other: Mark | None) -> bool:
 # --- the page ---
 
 
-def _page(answers: Sequence[_Answer]) -> str:
+def _page(answers: Sequence[_Answer], anonymous: bool) -> str:
     """Return the page of a question: what it is marked by on top, all answers below."""
     last = answers[-1].answer  # of several versions of the question
     worth = f"{number(last.points)} {'point' if last.points == 1 else 'points'}"
-    written = [each for each in answers if each.answer.text.strip()]
-    missing = [each.score.result.student for each in answers if each not in written]
+    given = [each for each in answers if each.has_a_row]
+    missing = [each.named(anonymous) for each in answers if not each.has_a_row]
     left = sum(each.is_open for each in answers)
     return page(
         f"To mark: {last.name}",
@@ -300,25 +347,25 @@ def _page(answers: Sequence[_Answer]) -> str:
             "header",
             element("p", lesson_title(answers[0].score.result.lesson), class_="soft small"),
             element("h1", last.number, " " if last.number else "", element("code", last.name)),
-            element("p", prose(last.question)),
+            element("p", markdown(last.question)),
         ),
         element(
             "div",
             element("h2", f"What to mark by: {worth}"),
-            element("p", last.rubric.strip() or "No rubric was written.", class_="kept"),
+            element("p", markdown(last.rubric.strip() or "No rubric was written."), class_="kept"),
             class_="box calm",
         ),
-        element("h2", f"{say_count(len(written), 'answer')}, {left} to mark"),
-        *(element("article", *_shown(each), class_="card") for each in written),
-        element("h2", "No answer") if missing else None,
+        element("h2", f"{say_count(len(given), 'answer')}, {left} to mark"),
+        *(element("article", *_shown(each, anonymous), class_="card") for each in given),
+        element("h2", "No answer: 0 points") if missing else None,
         element("p", ", ".join(missing)) if missing else None,
     )
 
 
-def _shown(each: _Answer) -> Iterator[Markup]:
+def _shown(each: _Answer, anonymous: bool) -> Iterator[Markup]:
     mark = each.mark
     state = f"{number(mark.points)} of {number(each.answer.points)}" if mark else "to mark"
-    name = element("h3", element("bdi", each.score.result.student))
+    name = element("h3", element("bdi", each.named(anonymous)))
     yield element("div", name, element("span", state, class_="points"), class_="top")
     yield element("div", each.answer.text.strip(), class_="said", dir="auto")
     if mark and mark.comment:

@@ -6,18 +6,32 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from nao_course.homework import zipped
+from nao_course.instructor.collecting.names import canvas_name
+from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.gradebook.scores import Score
 from nao_course.instructor.reports.html import number
 from nao_course.instructor.reports.spreadsheets import TableError, read_rows
 
 PLATFORMS = ("moodle", "canvas")
+# Moodle's columns, in the languages whose words are known here: the number, the points, the maximum.
+MOODLES_COLUMNS = {
+    "English": ("Identifier", "Grade", "Maximum Grade"),
+    "German": ("ID", "Bewertung", "Bestwertung"),
+    "French": ("Identifiant", "Note", "Note maximale"),
+    "Spanish": ("Identificador", "Calificación", "Calificación máxima"),
+}
+UPLOADS = {  # where a platform takes the zip of feedback
+    "moodle": "Moodle's 'Upload multiple feedback files in a zip'",
+    "canvas": "Canvas's 'Upload Submissions' of the assignment",
+}
+POSSIBLE = "Points Possible"  # the row of Canvas's gradebook with the maxima
 _LAST_NUMBER = re.compile(r"_(\d+)$")  # of a student's name, as the platform's zip gave it
-_NO_STUDENTS = ("points possible", "student, test")  # rows of Canvas's own
+_TEST_STUDENT = "student, test"  # a row of Canvas's own
 
 
 @dataclass(frozen=True)
@@ -42,7 +56,18 @@ class FilledSheet:
     without_grade: tuple[str, ...]
 
 
-def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = "") -> FilledSheet:
+@dataclass(frozen=True)
+class _Columns:
+    """Where the students' numbers, the points and the maxima are; Canvas has the maxima in a row."""
+
+    number: int
+    points: int
+    maximum: int | None
+
+
+def fill_sheet(
+    platform: str, sheet: Path, made: Iterable[Score], column: str = "", *, scale: bool = False
+) -> FilledSheet:
     """Write points into the sheet that a platform gave out.
 
     Parameters
@@ -55,6 +80,8 @@ def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = 
         Scores of one lesson. A student is found by the number that the platform put into the file name.
     column : str
         The column's name, or how it begins; with Canvas, where there is one for each assignment.
+    scale : bool
+        Whether points are scaled to the platform's maximum where it is not the lesson's.
 
     Returns
     -------
@@ -64,25 +91,34 @@ def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = 
     Raises
     ------
     TableError
-        If it is not such a sheet, or no column is given.
+        If it is not such a sheet, if no column is given, or if its maximum is not the lesson's and `scale` is false.
     """
     rows = read_rows(sheet)
     if not rows:
         raise TableError(f"{sheet.name} is empty")
     header = rows[0]
-    key, at = _columns(platform, sheet.name, header, column)
+    columns = _columns(platform, sheet.name, header, column)
+    rows = [row + [""] * (len(header) - len(row)) for row in rows]
     made = list(made)
+    worth = max((each.points for each in made), default=0.0)
+    maximum_of = _maxima(rows, columns, sheet.name)
     numbers = Counter(_number_of(each.result.student) for each in made)
     points = {n: each for each in made if numbers[n := _number_of(each.result.student)] == 1 and n}
     there, filled, left = set(), 0, []
     for row in rows[1:]:
-        row += [""] * (len(header) - len(row))
-        found = re.fullmatch(r"(?:\D*\s)?(\d+)", row[key].strip())
-        if not found or row[0].strip().casefold().startswith(_NO_STUDENTS):
+        found = re.fullmatch(r"\D*(\d+)", row[columns.number].strip())
+        if not found or row[0].strip().casefold().startswith((POSSIBLE.casefold(), _TEST_STUDENT)):
             continue
         there.add(found[1])
         if found[1] in points:
-            row[at], filled = number(points[found[1]].earned), filled + 1
+            maximum = maximum_of(row)
+            earned = points[found[1]].earned
+            if abs(_value(maximum) - worth) > 0.005:
+                if not scale:
+                    raise TableError(_other_maximum(platform, sheet.name, maximum, made[0], worth))
+                earned *= _value(maximum) / worth if worth else 0.0
+            row[columns.points] = number(earned).replace(".", "," if "," in maximum else ".")
+            filled += 1
         else:
             left.append(row[0].strip())
     without = sorted(
@@ -93,24 +129,74 @@ def fill_sheet(platform: str, sheet: Path, made: Iterable[Score], column: str = 
     return FilledSheet(text.getvalue().encode("utf-8-sig"), filled, tuple(without), tuple(left))
 
 
-def _columns(platform: str, file: str, header: Sequence[str], wanted: str) -> tuple[int, int]:
-    """Return the columns of the students' numbers and of the points in a sheet."""
+def _other_maximum(platform: str, file: str, maximum: str, some: Score, worth: float) -> str:
+    """Return the message for a platform's maximum that is not the lesson's."""
+    return (
+        f"{file}: the maximum in {platform.title()} is {number(_value(maximum))} points, and {some.result.lesson} "
+        f"is worth {number(worth)}. Set the maximum in {platform.title()} to {number(worth)} and download the sheet "
+        "again, or scale the points with --scale"
+    )
+
+
+def _maxima(rows: Sequence[Sequence[str]], columns: _Columns, file: str) -> Callable[[Sequence[str]], str]:
+    """Return a function that finds the maximum for a row, as it is written in the sheet."""
+
+    def checked(cell: str, where: str) -> str:
+        if not _value(cell) > 0:
+            raise TableError(f"{file}: {where} should be a maximum above 0, and it is {cell.strip()!r}")
+        return cell
+
+    if (at := columns.maximum) is not None:
+        return lambda row: checked(row[at], f"{rows[0][at].strip()!r} of {row[columns.number].strip()!r}")
+    row = next((row for row in rows if row[0].strip().casefold() == POSSIBLE.casefold()), None)
+    if row is None:
+        raise TableError(f"{file} has no row {POSSIBLE!r}, which has the maximum: export the gradebook again")
+    cell = checked(row[columns.points], f"{POSSIBLE!r} of {rows[0][columns.points]!r}")
+    return lambda _: cell
+
+
+def _value(cell: str) -> float:
+    """Return a maximum that is written with a point or a comma; 0 for anything else."""
+    found = re.fullmatch(r"\s*([0-9]{1,6})(?:[.,]([0-9]{0,6}))?\s*", cell, re.ASCII)
+    return float(f"{found[1]}.{found[2] or 0}") if found else 0.0
+
+
+def _columns(platform: str, file: str, header: Sequence[str], wanted: str) -> _Columns:
+    """Return the columns of a sheet that matter."""
     names = [each.strip().casefold() for each in header]
-    key = {"moodle": "identifier", "canvas": "id"}[platform]
-    if key not in names:
-        which = {"moodle": "grading worksheet", "canvas": "exported gradebook"}[platform]
-        raise TableError(f"{file} is not {platform.title()}'s {which}: it has no column {key!r}")
-    if platform == "moodle" and not wanted:
-        wanted = "grade"
+    if platform == "moodle":
+        key, grade, maximum = _moodles_columns(file, header, names)
+        wanted = wanted or grade
+    else:
+        key, maximum = "id", None
+    if key.casefold() not in names:
+        raise TableError(f"{file} is not Canvas's exported gradebook: it has no column 'ID'")
     if not wanted:
         raise TableError(f"say which column the points go to: --column {_first_assignment(header)!r}")
-    fits = [i for i, name in enumerate(names) if name == wanted.casefold()]
+    fits = [i for i, name in enumerate(names) if name == wanted.strip().casefold()]
     fits = fits or [i for i, name in enumerate(names) if name.startswith(wanted.strip().casefold())]
     if len(fits) != 1:
         raise TableError(
             f"{file} has {len(fits) or 'no'} columns that begin with {wanted!r}; it has {', '.join(header)[:500]}"
         )
-    return names.index(key), fits[0]
+    return _Columns(
+        names.index(key.casefold()), fits[0], names.index(maximum.casefold()) if maximum else None
+    )
+
+
+def _moodles_columns(file: str, header: Sequence[str], names: Sequence[str]) -> tuple[str, str, str]:
+    """Return the names of the number's, the points' and the maximum's column in the worksheet's language."""
+    for columns in MOODLES_COLUMNS.values():
+        if all(each.casefold() in names for each in columns):
+            return columns
+    known = "; ".join(
+        f"{', '.join(map(repr, columns))} ({language})" for language, columns in MOODLES_COLUMNS.items()
+    )
+    raise TableError(
+        f"{file} is not Moodle's grading worksheet, or it is in another language. Its columns are "
+        f"{', '.join(header)[:300]}. It should have {known}. Switch Moodle to one of these languages and download "
+        "the worksheet again"
+    )
 
 
 def _first_assignment(header: Sequence[str]) -> str:
@@ -122,22 +208,38 @@ def _number_of(student: str) -> str:
     return found[1] if found else ""
 
 
-def moodle_feedback(pages: Mapping[str, bytes]) -> tuple[bytes, tuple[str, ...]]:
-    """Make the zip that Moodle takes as "multiple feedback files": folders with the names of its own download.
+def feedback_zip(
+    platform: str, pages: Iterable[tuple[SubmissionResult, bytes]]
+) -> tuple[bytes, tuple[str, ...]]:
+    """Make the zip of feedback pages that a platform takes, with the names of its own download.
 
     Parameters
     ----------
-    pages : mapping of str to bytes
-        Feedback by student.
+    platform : str
+        One of `PLATFORMS`. Moodle finds a student by the folder's name. Canvas finds student and submission by the
+        two numbers in the name of the file that counted.
+    pages : iterable of (SubmissionResult, bytes)
+        Results with their feedback pages.
 
     Returns
     -------
     archive : bytes
         A zip, the same bytes for the same pages.
     left_out : tuple of str
-        Students whose names have no number of Moodle's.
+        Students whose names, or files with Canvas, are not the platform's.
     """
-    files = {
-        f"{each}_assignsubmission_file_/feedback.html": pages[each] for each in pages if _number_of(each)
-    }
-    return zipped(files), tuple(sorted(each for each in pages if not _number_of(each)))
+    files, left_out = {}, []
+    for result, content in pages:
+        if name := _name_in_zip(platform, result):
+            files[name] = content
+        else:
+            left_out.append(result.student)
+    return zipped(files), tuple(sorted(left_out))
+
+
+def _name_in_zip(platform: str, result: SubmissionResult) -> str:
+    """Return the name of a student's page in a platform's zip; an empty string if the platform would not know it."""
+    if platform == "canvas":
+        name = canvas_name(result.file)
+        return f"{name}.html" if name else ""
+    return f"{result.student}_assignsubmission_file_/feedback.html" if _number_of(result.student) else ""

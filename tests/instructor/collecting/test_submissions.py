@@ -1,9 +1,12 @@
 """What students hand in is found whatever a platform made of its name, and none of it is trusted."""
 
+import io
 import json
 import os
 import random
+import zipfile
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -41,6 +44,91 @@ def test_each_platforms_names_are_understood(look, tmp_path, name, student, kind
     assert who(found) == [(student, "01_hsl_filtering")]
     assert (found.refused, found.unknown) == ((), ())
     assert found.submissions[0].file == name
+
+
+def test_lateness_and_the_time_of_a_receipt_are_kept(look, tmp_path):
+    put(tmp_path / "work", HSL)
+    zipped = homework.submit(tmp_path / "work", tmp_path).path.read_bytes()
+    packed_at = json.loads(zipfile.ZipFile(io.BytesIO(zipped)).read("receipt.json"))["time"]
+    names = {
+        f"ada_LATE_1_11_{HSL}": NOTEBOOK,
+        f"ben_2_12_{HSL}": NOTEBOOK,
+        "eve_LATE_3_13_submission-20261120-120000.zip": zipped,
+        f"Zed_4_assignsubmission_file_/{HSL}": NOTEBOOK,
+    }
+    found = {each.student: each for each in look(packed(tmp_path / "in.zip", names)).submissions}
+    assert {name: each.late for name, each in found.items()} == {
+        "ada_1": True,
+        "ben_2": False,
+        "eve_3": True,
+        "Zed_4": False,
+    }
+    assert [each.handed_in for each in found.values() if each.student != "eve_3"] == ["", "", ""]
+    told = datetime.fromisoformat(found["eve_3"].handed_in)
+    assert told == datetime.fromisoformat(packed_at).replace(second=0, microsecond=0)
+
+
+# --- names that are not the lesson's ---
+
+STAMPED = b'{"cells": [], "metadata": {"nao_course": {"lesson": "01_hsl_filtering", "version": "1"}}, "nbformat": 4}'
+CLAIMED = json.dumps(
+    {"cells": [{"source": '"nao_course": {"lesson": "01_hsl_filtering"}'}], "metadata": {}}
+).encode()
+
+
+@pytest.mark.parametrize("name", ["ada/homework1.ipynb", "ada_1_assignsubmission_file_/homework1.ipynb"])
+def test_a_notebook_of_another_name_counts_where_its_metadata_name_the_only_wanted_lesson(tmp_path, name):
+    put(tmp_path / "in", name, content=STAMPED)
+    (one,) = gather(tmp_path / "in", tmp_path / "s", LESSONS, ["01_hsl_filtering"]).submissions
+    assert one.lesson == "01_hsl_filtering"
+    assert one.notes == (f"{name} counts as 01_hsl_filtering, because its metadata name that lesson",)
+    for wanted in (None, ["02_goal_posts"], ["01_hsl_filtering", "02_goal_posts"]):
+        found = gather(tmp_path / "in", tmp_path / "s", LESSONS, wanted)
+        assert found.submissions == () and "named after no lesson" in found.not_graded[0]
+
+
+@pytest.mark.parametrize("content", [NOTEBOOK, CLAIMED, STAMPED + STAMPED.replace(b"01_hsl", b"02_hsl"), b""])
+def test_a_notebook_of_another_name_whose_metadata_do_not_name_the_lesson_is_reported(tmp_path, content):
+    put(tmp_path / "in", "ada/homework1.ipynb", content=content)
+    found = gather(tmp_path / "in", tmp_path / "s", LESSONS, ["01_hsl_filtering"])
+    assert found.submissions == () and "named after no lesson" in found.not_graded[0]
+
+
+def test_a_notebook_with_the_lessons_name_counts_before_a_newer_one_without(tmp_path):
+    put(tmp_path / "in", f"ada/{HSL}", "ada/homework1.ipynb", content=STAMPED)
+    os.utime(tmp_path / "in" / "ada" / HSL, (1, 1))
+    (one,) = gather(tmp_path / "in", tmp_path / "s", LESSONS, ["01_hsl_filtering"]).submissions
+    assert one.file == f"ada/{HSL}"
+    assert one.notes == ("ada/homework1.ipynb does not count: another one has the lesson's name",)
+
+
+@pytest.mark.parametrize("content", [b"", b"<p>Dear Sir</p>"])
+@pytest.mark.parametrize("text", ["onlinetext_/onlinetext.html", "onlinetext_onlinetext.html"])
+def test_what_a_student_typed_into_moodles_text_field_is_no_alarm(look, tmp_path, text, content):
+    start = "Ada_1_assignsubmission_"
+    found = look(packed(tmp_path / "in.zip", {f"{start}file_/{HSL}": NOTEBOOK, f"{start}{text}": content}))
+    assert who(found) == [("Ada_1", "01_hsl_filtering")] and found.unknown == ()
+    alone = look(packed(tmp_path / "other.zip", {f"{start}{text}": content}))
+    assert alone.not_graded == ("Ada_1: there is no notebook of a lesson",)
+
+
+def test_another_notebook_is_called_newer_only_where_it_is(look, tmp_path):
+    names = (f"ada/{HSL}", "ada/01_hsl_filtering (1).ipynb")
+    put(tmp_path / "in", *names)
+    for name, time in zip(names, (2, 1), strict=True):
+        os.utime(tmp_path / "in" / name, (time, time))
+    assert look(tmp_path / "in").submissions[0].notes == (f"{names[1]} does not count: another one is newer",)
+    os.utime(tmp_path / "in" / names[1], (2, 2))
+    assert look(tmp_path / "in").submissions[0].notes == (f"{names[1]} does not count: another one counts",)
+
+
+def test_the_times_in_moodles_zip_are_those_of_the_download_and_say_nothing_about_age(look, tmp_path):
+    start = "Ada_1_assignsubmission_file_"
+    path = tmp_path / "in.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        for second, name in enumerate((f"{start}/a/{HSL}", f"{start}/b/{HSL}")):
+            archive.writestr(zipfile.ZipInfo(name, (2026, 3, 1, 12, 0, 2 * second)), NOTEBOOK)
+    assert look(path).submissions[0].notes == (f"{start}/a/{HSL} does not count: another one counts",)
 
 
 def test_what_is_named_after_nothing_is_reported_by_its_name(look, tmp_path):

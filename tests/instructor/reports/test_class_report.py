@@ -53,6 +53,17 @@ def test_what_people_changed_and_marked_counts(tmp_path):
     assert "Written answers to mark 0" in page.text and "50 % of its points were earned" in page.text
 
 
+def test_times_and_lateness_stand_in_a_table_with_the_late_ones_first():
+    made = [
+        result("ada", exercise(), handed_in="2026-11-20 22:10+00:00"),
+        result("ben", exercise(), late=True),
+        result("eve", exercise()),
+    ]
+    text = " ".join(Page(report_page(scores(made))).text.split())
+    assert "Handed in, 1 late student handed in late ben yes ada 2026-11-20 22:10+00:00" in text
+    assert "Handed in" not in Page(report_page(scores(made[2:]))).text
+
+
 def test_every_state_is_counted_once_and_only_once():
     states = [state for _, _, known in _KINDS.values() for state in known]
     assert sorted(states) == sorted(get_args(State))

@@ -82,6 +82,14 @@ def test_a_refused_submission_stands_in_the_table_with_its_reason():
     assert (row["total"], row[f"{LESSON} status"], row[f"{LESSON} notes"]) == ("0", "refused", "it is empty")
 
 
+def test_a_time_and_lateness_stand_in_the_table_and_cost_nothing():
+    late = result("ada", exercise(), handed_in="2026-11-20 23:59+00:00", late=True)
+    ada, bob = rows_of(scores([late, result("bob", exercise())]))
+    assert (ada[f"{LESSON} handed in"], ada[f"{LESSON} late"]) == ("2026-11-20 23:59+00:00", "yes")
+    assert (bob[f"{LESSON} handed in"], bob[f"{LESSON} late"]) == ("", "")
+    assert ada["total"] == bob["total"] == "2"
+
+
 def test_an_empty_journal_is_a_header(journal, tmp_path):
     assert csv_table([]).decode("utf-8-sig") == "student,total\r\n"
     assert write_csv(journal, tmp_path / "x").read_bytes() == csv_table([])

@@ -136,7 +136,7 @@ def test_the_students_own_files_that_did_not_count_are_named_and_nothing_of_the_
         "code cell 1, line 2: KeyError: 873.93 does not come along: ",
     )
     said = page(exercise(), notes=notes, left_out=left_out).text
-    assert "Files that were left out" in said and "mine.py does not come along" in said and "873" not in said
+    assert "Notes on your files" in said and "mine.py does not come along" in said and "873" not in said
     assert "left out" not in page(exercise(), notes=notes).text
 
 

@@ -10,7 +10,13 @@ from hypothesis import strategies as st
 
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark
-from nao_course.instructor.reports.marking_sheets import HEADER, MarksError, read_marks, write_sheets
+from nao_course.instructor.reports.marking_sheets import (
+    HEADER,
+    MarksError,
+    read_marks,
+    student_code,
+    write_sheets,
+)
 from nao_course.instructor.reports.spreadsheets import TableError, read_table
 from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, result, words
 
@@ -124,6 +130,75 @@ def test_the_page_keeps_its_elements_whatever_was_written(tmp_path, text):
 
     found = page(text, tmp_path / "hostile")
     assert found.elements == page("fine", tmp_path / "fine").elements and found.offences() == []
+
+
+def test_an_empty_answer_has_no_row_and_counts_nowhere(journal, tmp_path):
+    journal.keep(result("ben", exercise(), answer(text=" \n")))
+    (written,) = write_sheets(journal, tmp_path / "marking")
+    assert "ben" not in {row["student"] for row in read_table(written.table, HEADER)}
+    page = Page(written.page.read_text(encoding="utf-8")).text
+    assert "4 answers, 4 to mark" in page and (written.answers, written.open) == (4, 4)
+    assert page.index("No answer: 0 points") < page.index("ben")
+    save(written.table, filled(written.table, ["2"] * 4))
+    assert read_marks(journal, written.table).open == () and "ben" not in given_marks(journal)
+
+
+def test_an_empty_answer_that_a_person_gave_points_has_its_row(journal, tmp_path):
+    journal.keep(result("ben", exercise(), answer(text="")))
+    journal.mark([Mark("ben", LESSON, QUESTION, 1, "told me in the lab")])
+    (written,) = write_sheets(journal, tmp_path / "marking")
+    points = {row["student"]: row["points"] for row in read_table(written.table, HEADER)}
+    assert points["ben"] == "1" and (written.answers, written.open) == (5, 4)
+    assert "5 answers, 4 to mark" in Page(written.page.read_text(encoding="utf-8")).text
+
+
+def test_asterisks_in_a_question_and_a_rubric_are_emphasis(tmp_path):
+    with Journal(tmp_path) as kept:
+        kept.keep(
+            result("ada", answer(question="This *or* that?", rubric="1 for a *or* b, `x*y*z`, 2 * 3 * 4"))
+        )
+        text = write_sheets(kept, tmp_path)[0].page.read_text(encoding="utf-8")
+    assert "This <em>or</em> that?" in text
+    assert "1 for a <em>or</em> b, <code>x*y*z</code>, 2 * 3 * 4" in text
+
+
+# --- anonymous ---
+
+SECRET = b"0123456789abcdef"
+
+
+def test_an_anonymous_sheet_and_page_name_nobody_and_come_back_to_the_students(journal, tmp_path):
+    for name in STUDENTS:
+        journal.keep(result(name, exercise(), answer(text="Because of the hue.")))
+    journal.keep(result("Benjamin", exercise(), answer(text="")))
+    (written,) = write_sheets(journal, tmp_path / "marking", SECRET, anonymous=True)
+    both = written.table.read_bytes().decode() + written.page.read_text(encoding="utf-8")
+    assert not [name for name in ("Łucja", "Benjamin", "007", "1+1") if name in both]
+    names = [row["student"] for row in read_table(written.table, HEADER)]
+    assert names == sorted(student_code(SECRET, each) for each in STUDENTS)
+    assert student_code(SECRET, "Benjamin") in both
+    order = sorted(STUDENTS, key=lambda each: student_code(SECRET, each))
+    save(written.table, filled(written.table, ["0", "0.5", "1", ""], ""))
+    taken = read_marks(journal, written.table, SECRET)
+    assert given_marks(journal) == dict(zip(order[:3], [(0.0, ""), (0.5, ""), (1.0, "")], strict=True))
+    assert taken.open == ((student_code(SECRET, order[3]), QUESTION),)
+
+
+def test_marks_in_an_anonymous_sheet_are_not_written_over_by_one_with_names(journal, tmp_path):
+    (written,) = write_sheets(journal, tmp_path / "marking", SECRET, anonymous=True)
+    save(written.table, filled(written.table, ["1", "", "", ""], ""))
+    with pytest.raises(MarksError, match="row 2, has a mark that was not read in"):
+        write_sheets(journal, tmp_path / "marking", SECRET)
+    read_marks(journal, written.table, SECRET)
+    assert write_sheets(journal, tmp_path / "marking", SECRET)[0].open == 3
+
+
+def test_codes_of_another_secret_are_refused(journal, tmp_path):
+    (written,) = write_sheets(journal, tmp_path / "marking", SECRET, anonymous=True)
+    save(written.table, filled(written.table, ["1"] * 4))
+    with pytest.raises(MarksError, match="no student 'student-.*' was graded .* with this secret: read an"):
+        read_marks(journal, written.table, b"another secret of ours")
+    assert journal.marks() == []
 
 
 # --- back ---

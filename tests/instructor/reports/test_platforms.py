@@ -7,19 +7,19 @@ import zipfile
 import pytest
 
 from nao_course.instructor.gradebook.scores import scores
-from nao_course.instructor.reports.platforms import fill_sheet, moodle_feedback
+from nao_course.instructor.reports.platforms import MOODLES_COLUMNS, feedback_zip, fill_sheet
 from nao_course.instructor.reports.spreadsheets import TableError
-from tests.pages import exercise, result
+from tests.pages import answer, exercise, result
 
 MOODLE = (
     "Identifier,Full name,Email address,Status,Grade,Maximum Grade,Grade can be changed,Feedback comments\n"
-    'Participant 1234567,Ada Lovelace,ada@uni.example,"Submitted, graded",,10.00,Yes,\n'
-    "Participant 1234568,Žofie Nováková,zofie@uni.example,Submitted,5.00,10.00,Yes,keep this\n"
-    "Participant 12345,Ben,ben@uni.example,No submission,,10.00,Yes,=1+1\n"
+    'Participant 1234567,Ada Lovelace,ada@uni.example,"Submitted, graded",,2.00,Yes,\n'
+    "Participant 1234568,Žofie Nováková,zofie@uni.example,Submitted,5.00,2.00,Yes,keep this\n"
+    "Participant 12345,Ben,ben@uni.example,No submission,,2.00,Yes,=1+1\n"
 )
 CANVAS = (
     "Student,ID,SIS User ID,SIS Login ID,Section,Lesson 01 (4711),Lesson 02 (4712),Current Score\n"
-    "    Points Possible,,,,,13.00,9.00,(read only)\n"
+    "    Points Possible,,,,,13.00,2.00,(read only)\n"
     '"Lovelace, Ada",1234567,s001,ada,A,,3,10\n'
     '"Student, Test",99,,x,A,,,\n'
     '"Nováková, Žofie",1234568,s002,zofie,A,2,,\n'
@@ -69,7 +69,7 @@ def test_of_two_students_with_one_number_neither_gets_the_others_points(tmp_path
 def test_canvas_gets_the_column_that_is_named(tmp_path):
     filled = fill_sheet("canvas", sheet(tmp_path, CANVAS), MADE, "lesson 02")
     after = rows(filled.table)
-    assert [row[6] for row in after] == ["Lesson 02 (4712)", "9.00", "1.5", "", "2"]
+    assert [row[6] for row in after] == ["Lesson 02 (4712)", "2.00", "1.5", "", "2"]
     assert [row[5] for row in after] == ["Lesson 01 (4711)", "13.00", "", "", "2"]
     assert filled.without_grade == () and filled.filled == 2
 
@@ -77,7 +77,12 @@ def test_canvas_gets_the_column_that_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("platform", "text", "column", "said"),
     [
-        ("moodle", "a,b\n1,2\n", "", "no column 'identifier'"),
+        (
+            "moodle",
+            "a,b\n1,2\n",
+            "",
+            "'Identifier', 'Grade', 'Maximum Grade' .English.*'Bestwertung' .German",
+        ),
         ("canvas", MOODLE, "Grade", "not Canvas's exported gradebook"),
         ("canvas", CANVAS, "", "--column 'Lesson 01 .4711.'"),
         ("canvas", CANVAS, "Lesson", "2 columns that begin with 'Lesson'"),
@@ -93,10 +98,104 @@ def test_what_is_no_sheet_of_theirs_is_refused(tmp_path, platform, text, column,
         fill_sheet(platform, sheet(tmp_path, text), MADE, column)
 
 
-def test_feedback_lies_in_folders_that_moodle_knows(tmp_path):
-    pages = {"Ada Lovelace_1234567": b"<p>good</p>", "eve": b"x"}
-    archive, left_out = moodle_feedback(pages)
+@pytest.mark.parametrize(
+    ("platform", "text", "column", "both"),
+    [
+        (
+            "moodle",
+            MOODLE.replace("2.00", "100.00"),
+            "",
+            "in Moodle is 100 points, and 01_hsl_filtering is worth 2",
+        ),
+        ("canvas", CANVAS, "Lesson 01", "in Canvas is 13 points, and 01_hsl_filtering is worth 2"),
+    ],
+)
+def test_another_maximum_is_refused_and_both_are_named(tmp_path, platform, text, column, both):
+    with pytest.raises(TableError, match=f"{both}.*--scale"):
+        fill_sheet(platform, sheet(tmp_path, text), MADE, column)
+
+
+def test_points_are_scaled_to_another_maximum_on_demand(tmp_path):
+    hundred = fill_sheet("moodle", sheet(tmp_path, MOODLE.replace("2.00", "100.00")), MADE, scale=True)
+    assert [row[4] for row in rows(hundred.table)] == ["Grade", "75", "100", ""]
+    canvas = fill_sheet("canvas", sheet(tmp_path, CANVAS), MADE, "Lesson 01", scale=True)
+    assert [row[5] for row in rows(canvas.table)] == ["Lesson 01 (4711)", "13.00", "9.75", "", "13"]
+    same = fill_sheet("moodle", sheet(tmp_path, MOODLE), MADE)
+    assert fill_sheet("moodle", sheet(tmp_path, MOODLE), MADE, scale=True) == same
+
+
+def test_the_lessons_worth_includes_its_questions_also_where_some_submissions_have_none(tmp_path):
+    graded = result("Ada_1234567", exercise(points=1.5, earned=1.5), answer(points=0.5, text=""))
+    refused = result("Ben_12345", exercise("not found", points=1.5), status="refused", reason="it is empty")
+    filled = fill_sheet("moodle", sheet(tmp_path, MOODLE), scores([graded, refused]))
+    assert [row[4] for row in rows(filled.table)] == ["Grade", "1.5", "5.00", "0"]
+
+
+@pytest.mark.parametrize(
+    ("platform", "text", "said"),
+    [
+        ("moodle", MOODLE.replace("2.00", "-"), "'Maximum Grade' of 'Participant 1234567' should be .* '-'"),
+        ("canvas", CANVAS.replace("13.00", "0"), "'Points Possible' of 'Lesson 01 .4711.' should be .* '0'"),
+        ("canvas", CANVAS.replace("Points Possible", "?"), "has no row 'Points Possible'"),
+    ],
+)
+@pytest.mark.parametrize("scale", [False, True])
+def test_a_sheet_without_a_maximum_is_refused(tmp_path, platform, text, said, scale):
+    with pytest.raises(TableError, match=said):
+        fill_sheet(
+            platform, sheet(tmp_path, text), MADE, "Lesson 01" if platform == "canvas" else "", scale=scale
+        )
+
+
+GERMAN = (
+    "ID;Vollständiger Name;E-Mail-Adresse;Status;Bewertung;Bestwertung;Bewertung kann geändert werden\n"
+    "Teilnehmer/in1234567;Ada Lovelace;ada@uni.example;Zur Bewertung abgegeben;;2,00;Ja\n"
+    "Teilnehmer/in 1234568;Žofie Nováková;zofie@uni.example;Zur Bewertung abgegeben;;2,00;Ja\n"
+)
+
+
+def test_a_german_worksheet_gets_grades_with_decimal_commas(tmp_path):
+    filled = fill_sheet("moodle", sheet(tmp_path, GERMAN), MADE)
+    assert [row[4] for row in rows(filled.table)] == ["Bewertung", "1,5", "2"]
+    with pytest.raises(TableError, match="is 100 points"):
+        fill_sheet("moodle", sheet(tmp_path, GERMAN.replace("2,00", "100,00")), MADE)
+
+
+@pytest.mark.parametrize("columns", MOODLES_COLUMNS.values(), ids=MOODLES_COLUMNS)
+def test_a_worksheet_in_each_known_language_is_filled_in(tmp_path, columns):
+    filled = fill_sheet("moodle", sheet(tmp_path, ",".join(columns) + "\nTN 1234567,,2\n"), MADE)
+    assert rows(filled.table)[1] == ["TN 1234567", "1.5", "2"]
+
+
+def test_a_worksheet_in_another_language_is_refused_with_what_was_looked_for(tmp_path):
+    text = GERMAN.replace("Bestwertung", "Legmagasabb pont")
+    with pytest.raises(TableError, match="Legmagasabb pont.*'Bestwertung' .German"):
+        fill_sheet("moodle", sheet(tmp_path, text), MADE)
+
+
+PAGES = [
+    (result("Ada Lovelace_1234567", file="x/01_hsl_filtering.ipynb"), b"<p>good</p>"),
+    (result("eve_123456", file="eve_LATE_123456_789_hw.zip/01_hsl_filtering.ipynb"), b"x"),
+    (result("ben", file="ben/01_hsl_filtering.ipynb"), b"y"),
+]
+
+
+@pytest.mark.parametrize(
+    ("platform", "files", "without"),
+    [
+        (
+            "moodle",
+            {
+                "Ada Lovelace_1234567_assignsubmission_file_/feedback.html": b"<p>good</p>",
+                "eve_123456_assignsubmission_file_/feedback.html": b"x",
+            },
+            ("ben",),
+        ),
+        ("canvas", {"eve_LATE_123456_789_hw.html": b"x"}, ("Ada Lovelace_1234567", "ben")),
+    ],
+)
+def test_feedback_has_the_names_that_a_platform_gave(platform, files, without):
+    archive, left_out = feedback_zip(platform, PAGES)
     with zipfile.ZipFile(io.BytesIO(archive)) as made:
-        assert made.namelist() == ["Ada Lovelace_1234567_assignsubmission_file_/feedback.html"]
-        assert made.read(made.namelist()[0]) == b"<p>good</p>"
-    assert left_out == ("eve",) and moodle_feedback(pages)[0] == archive
+        assert {name: made.read(name) for name in made.namelist()} == files
+    assert left_out == without and feedback_zip(platform, PAGES)[0] == archive
