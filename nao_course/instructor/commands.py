@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import typer
@@ -21,7 +22,7 @@ from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
 from nao_course.instructor.autograding.scratch import scratch_folder
-from nao_course.instructor.autograding.secret import load_secret
+from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.autograding.session import open_session
 from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import (
@@ -450,7 +451,7 @@ def marks(grades: Path, file: Path | None, *, anonymous: bool = False) -> Iterat
         if file is None:
             yield from _sheets(journal, grades, anonymous)
             return
-        taken = marking_sheets.read_marks(journal, file, load_secret())
+        taken = marking_sheets.read_marks(journal, file, partial(student_code, load_secret()))
         yield f"{say_count(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
         changed = {(each.student, each.lesson) for each in taken.changed}
         write = feedback_writer(journal, grades / FEEDBACK)
@@ -467,7 +468,8 @@ def marks(grades: Path, file: Path | None, *, anonymous: bool = False) -> Iterat
 
 def _sheets(journal: Journal, grades: Path, anonymous: bool) -> Iterator[str]:
     folder = grades / marking_sheets.FOLDER
-    written = marking_sheets.write_sheets(journal, folder, load_secret(), anonymous=anonymous)
+    code = partial(student_code, load_secret())
+    written = marking_sheets.write_sheets(journal, folder, code, anonymous=anonymous)
     for each in written:
         yield f"wrote {each.table} and .html: {say_count(each.answers, 'answer')}, {each.open} to mark"
     if written:

@@ -194,7 +194,7 @@ class _Candidate:
 
     @property
     def is_dated(self) -> bool:
-        """Return whether the time is known: the times in Moodle's zip are those of the download."""
+        """Return whether the time is known: the times in Moodle's zip are the times of the download."""
         return bool(self.packed) or self.item.entry is None or not is_a_platforms(self.item.parts[0])
 
 
@@ -457,7 +457,7 @@ class _Search:
 
 
 def _why_not(other: _Candidate, best: _Candidate) -> str:
-    """Return the reason why a notebook does not count beside the one that does."""
+    """Return the reason why one notebook does not count and the other one does."""
     if other.item.problem:
         return other.item.problem
     if best.is_named > other.is_named:

@@ -126,7 +126,7 @@ class SubmissionResult:
     left_out : tuple of str
         Notes on files that were made before any code ran; the student sees them, too.
     handed_in : str
-        When it was packed, in UTC and by the student's clock; empty where nothing tells it.
+        When it was packed, in UTC and by the student's clock; empty if unknown.
     late : bool
         Whether the platform says that it was handed in late.
     """

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
-from nao_course.instructor.autograding.secret import keyed
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, WrittenAnswer
@@ -32,6 +31,7 @@ MOST_SAID = 20  # problems of a file that are listed
 _NUMBER = re.compile(r"[0-9]{1,6}(?:[.,][0-9]{0,6})?|[.,][0-9]{1,6}", re.ASCII)
 _CODE = re.compile(r"student-[0-9a-f]{10}")
 
+Code = Callable[[str], str]
 Key = tuple[str, str, str]  # student, lesson, question; as a table shows them
 
 
@@ -108,20 +108,7 @@ class _Answer:
         return self.code if anonymous else self.score.result.student
 
 
-def student_code(secret: bytes, student: str) -> str:
-    """Return a code for a student, which only the secret's owner can compute.
-
-    Examples
-    --------
-    >>> student_code(b"0123456789abcdef", "ada")
-    'student-8d789114d3'
-    """
-    return f"student-{keyed(secret, 'anonymous marking', student)[:10]}"
-
-
-def write_sheets(
-    journal: Journal, folder: Path, secret: bytes = b"", *, anonymous: bool = False
-) -> list[Sheet]:
+def write_sheets(journal: Journal, folder: Path, code: Code, *, anonymous: bool = False) -> list[Sheet]:
     """Write a table and a page for each written question; marks already given stand in them.
 
     Parameters
@@ -130,8 +117,8 @@ def write_sheets(
         Of the class.
     folder : Path
         GRADES/marking.
-    secret : bytes
-        The instructor's, from which the codes are made.
+    code : callable
+        Returns a student's code, such as `secret.student_code` with the instructor's secret.
     anonymous : bool
         Whether students are named by their codes, and ordered by them. `read_marks` finds the students.
 
@@ -145,7 +132,7 @@ def write_sheets(
     MarksError
         If a table that is there has marks that were not read in: nothing is written.
     """
-    answers = _answers(journal, secret)
+    answers = _answers(journal, code)
     questions: dict[tuple[str, str], list[_Answer]] = defaultdict(list)
     for each in answers:
         questions[each.key[1:]].append(each)
@@ -156,10 +143,10 @@ def write_sheets(
     return [_write_sheet(paths[question], given, anonymous) for question, given in sorted(questions.items())]
 
 
-def _answers(journal: Journal, secret: bytes) -> list[_Answer]:
+def _answers(journal: Journal, code: Code) -> list[_Answer]:
     made = scores(journal.results(), (), journal.marks())
     return [
-        _Answer(score, answer, student_code(secret, score.result.student))
+        _Answer(score, answer, code(score.result.student))
         for score in made
         for answer in score.result.written
     ]
@@ -217,7 +204,7 @@ def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
 # --- back in ---
 
 
-def read_marks(journal: Journal, path: Path, secret: bytes = b"") -> Taken:
+def read_marks(journal: Journal, path: Path, code: Code) -> Taken:
     """Read a table's marks into the journal, all or none of them.
 
     Parameters
@@ -226,8 +213,8 @@ def read_marks(journal: Journal, path: Path, secret: bytes = b"") -> Taken:
         Of the class.
     path : Path
         A table of `write_sheets`, filled in and saved by any spreadsheet. An answer without points stays as it is.
-    secret : bytes
-        The instructor's: that of `write_sheets`, where the table has codes instead of names.
+    code : callable
+        As in `write_sheets`; a row may have the code instead of the name.
 
     Returns
     -------
@@ -243,7 +230,7 @@ def read_marks(journal: Journal, path: Path, secret: bytes = b"") -> Taken:
         raise MarksError(
             f"there is no {path}: `nao-course marks GRADES` writes the sheets to GRADES/{FOLDER}/"
         )
-    answers = _answers(journal, secret)
+    answers = _answers(journal, code)
     known = _by_key(answers)
     rows = read_table(path, HEADER)
     marks: dict[Key, tuple[int, Mark]] = {}

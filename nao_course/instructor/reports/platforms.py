@@ -194,7 +194,7 @@ def _moodles_columns(file: str, header: Sequence[str], names: Sequence[str]) -> 
     )
     raise TableError(
         f"{file} is not Moodle's grading worksheet, or it is in another language. Its columns are "
-        f"{', '.join(header)[:300]}. It should have {known}. Switch Moodle to one of these languages and download "
+        f"{', '.join(header)[:150]}. It should have {known}. Switch Moodle to one of these languages and download "
         "the worksheet again"
     )
 

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import re
+import zipfile
 from types import SimpleNamespace
 
 import pytest
@@ -201,6 +202,15 @@ def command(*words):
     return CliRunner().invoke(cli.app, [str(word) for word in words])
 
 
+@pytest.fixture
+def secret(tmp_path, monkeypatch):
+    path = tmp_path / "secret"
+    path.write_bytes(b"0123456789abcdef")
+    path.chmod(0o600)
+    monkeypatch.setenv("NAO_COURSE_SECRET", str(path))
+
+
+@pytest.mark.usefixtures("secret")
 def test_the_commands_write_and_refuse_in_a_sentence(tmp_path):
     grades = tmp_path / "grades"
     assert "there is no journal" in command("export", grades, "--format", "csv").stderr
@@ -220,3 +230,24 @@ def test_the_commands_write_and_refuse_in_a_sentence(tmp_path):
     page = (grades / "feedback" / "ada" / f"{LESSON}.html").read_text(encoding="utf-8")
     assert "1.5 of 2 points" in page and "Fine" in page
     assert "report.html" in command("report", grades).stdout
+
+
+@pytest.mark.usefixtures("secret")
+def test_the_commands_have_switches_for_scaled_points_and_anonymous_marking(tmp_path):
+    grades, sheet = tmp_path / "grades", tmp_path / "theirs.csv"
+    with Journal(grades) as journal:
+        journal.keep(result("Ada_77", exercise(), answer(), file=f"Ada_77_88_{LESSON}.ipynb"))
+    sheet.write_text("Student,ID,Lesson (1)\nPoints Possible,,100\nAda,77,\n")
+    words = ("export", grades, "--format", "canvas", "--sheet", sheet, "--column", "Lesson")
+    refused = command(*words)
+    assert refused.exit_code == 1 and "is 100 points, and 01_hsl_filtering is worth 4" in refused.stderr
+    assert not (grades / "exports").exists()
+    assert "1 row filled in" in command(*words, "--scale").stdout
+    assert (grades / "exports" / f"canvas_{LESSON}.csv").read_text("utf-8-sig").splitlines()[
+        -1
+    ] == "Ada,77,50"
+    with zipfile.ZipFile(grades / "exports" / f"canvas_feedback_{LESSON}.zip") as pages:
+        assert pages.namelist() == [f"Ada_77_88_{LESSON}.html"]
+    assert "1 answer, 1 to mark" in command("marks", grades, "--anonymous").stdout
+    table = (grades / "marking" / f"{LESSON}_why_hsl.csv").read_text("utf-8-sig")
+    assert "Ada_77" not in table and "student-" in table

@@ -3,23 +3,20 @@
 import codecs
 import csv
 import io
+from functools import partial
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nao_course.instructor.autograding.secret import student_code
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark
-from nao_course.instructor.reports.marking_sheets import (
-    HEADER,
-    MarksError,
-    read_marks,
-    student_code,
-    write_sheets,
-)
+from nao_course.instructor.reports.marking_sheets import HEADER, MarksError, read_marks, write_sheets
 from nao_course.instructor.reports.spreadsheets import TableError, read_table
 from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, result, words
 
+code = partial(student_code, b"0123456789abcdef")
 LESSON, QUESTION = "01_hsl_filtering", "why_hsl"
 STUDENTS = ("ada", "=1+1", 'Łucja; "the" Nguyễn, \'', "007")
 
@@ -34,7 +31,7 @@ def journal(tmp_path):
 
 @pytest.fixture
 def sheet(journal, tmp_path):
-    (written,) = write_sheets(journal, tmp_path / "marking")
+    (written,) = write_sheets(journal, tmp_path / "marking", code)
     return written.table
 
 
@@ -65,7 +62,7 @@ def given_marks(journal):
 
 
 def test_a_sheet_has_a_row_for_each_answer_and_the_page_the_rubric(journal, tmp_path):
-    (written,) = write_sheets(journal, tmp_path)
+    (written,) = write_sheets(journal, tmp_path, code)
     header, *rows = rows_of(written.table)
     assert tuple(header) == HEADER and len(rows) == len(STUDENTS) == written.answers == written.open
     page = Page(written.page.read_text(encoding="utf-8"))
@@ -81,42 +78,42 @@ def test_no_cell_of_a_sheet_is_a_formula(sheet):
 
 def test_marks_that_were_given_stand_in_the_next_sheet(journal, sheet, tmp_path):
     journal.mark([Mark("ada", LESSON, QUESTION, 1.5, "-0.5: the sun")])
-    (written,) = write_sheets(journal, tmp_path / "marking")
+    (written,) = write_sheets(journal, tmp_path / "marking", code)
     row = next(row for row in read_table(written.table, HEADER) if row["student"] == "ada")
     assert (row["points"], row["comment"]) == ("1.5", "-0.5: the sun")
     assert written.open == len(STUDENTS) - 1
-    assert read_marks(journal, written.table).changed == ()
+    assert read_marks(journal, written.table, code).changed == ()
 
 
 def test_a_sheet_with_marks_that_nobody_read_is_not_written_over(journal, sheet, tmp_path):
     save(sheet, filled(sheet, ["", "1", "", ""], ""))
     before = sheet.read_bytes()
     with pytest.raises(MarksError, match="row 3, has a mark that was not read in"):
-        write_sheets(journal, tmp_path / "marking")
+        write_sheets(journal, tmp_path / "marking", code)
     assert sheet.read_bytes() == before
-    read_marks(journal, sheet)
-    assert write_sheets(journal, tmp_path / "marking")[0].open == len(STUDENTS) - 1
+    read_marks(journal, sheet, code)
+    assert write_sheets(journal, tmp_path / "marking", code)[0].open == len(STUDENTS) - 1
 
 
 @pytest.mark.parametrize(("points", "comment"), [("", "think again"), ("?", "")])
 def test_a_comment_or_a_question_mark_is_not_written_over_either(journal, sheet, tmp_path, points, comment):
     save(sheet, filled(sheet, [points, "", "", ""], comment))
     with pytest.raises(MarksError, match="not read in"):
-        write_sheets(journal, tmp_path / "marking")
+        write_sheets(journal, tmp_path / "marking", code)
 
 
 def test_an_unreadable_sheet_is_not_written_over(journal, sheet, tmp_path):
     sheet.write_bytes(b"my notes")
     with pytest.raises(MarksError, match="It may hold marks"):
-        write_sheets(journal, tmp_path / "marking")
+        write_sheets(journal, tmp_path / "marking", code)
     assert sheet.read_bytes() == b"my notes"
 
 
 def test_an_empty_journal_and_one_without_questions_have_no_sheets(tmp_path):
     with Journal(tmp_path) as empty:
-        assert write_sheets(empty, tmp_path / "marking") == []
+        assert write_sheets(empty, tmp_path / "marking", code) == []
         empty.keep(result("ada", exercise()))
-        assert write_sheets(empty, tmp_path / "marking") == []
+        assert write_sheets(empty, tmp_path / "marking", code) == []
 
 
 @pytest.mark.parametrize("text", HOSTILE)
@@ -126,7 +123,7 @@ def test_the_page_keeps_its_elements_whatever_was_written(tmp_path, text):
         with Journal(folder) as kept:
             kept.keep(result("ada", answer(text=text, question=text, rubric=text, number=text)))
             kept.mark([Mark("ada", LESSON, QUESTION, 1, text)])
-            return Page(write_sheets(kept, folder)[0].page.read_text(encoding="utf-8"))
+            return Page(write_sheets(kept, folder, code)[0].page.read_text(encoding="utf-8"))
 
     found = page(text, tmp_path / "hostile")
     assert found.elements == page("fine", tmp_path / "fine").elements and found.offences() == []
@@ -134,19 +131,19 @@ def test_the_page_keeps_its_elements_whatever_was_written(tmp_path, text):
 
 def test_an_empty_answer_has_no_row_and_counts_nowhere(journal, tmp_path):
     journal.keep(result("ben", exercise(), answer(text=" \n")))
-    (written,) = write_sheets(journal, tmp_path / "marking")
+    (written,) = write_sheets(journal, tmp_path / "marking", code)
     assert "ben" not in {row["student"] for row in read_table(written.table, HEADER)}
     page = Page(written.page.read_text(encoding="utf-8")).text
     assert "4 answers, 4 to mark" in page and (written.answers, written.open) == (4, 4)
     assert page.index("No answer: 0 points") < page.index("ben")
     save(written.table, filled(written.table, ["2"] * 4))
-    assert read_marks(journal, written.table).open == () and "ben" not in given_marks(journal)
+    assert read_marks(journal, written.table, code).open == () and "ben" not in given_marks(journal)
 
 
 def test_an_empty_answer_that_a_person_gave_points_has_its_row(journal, tmp_path):
     journal.keep(result("ben", exercise(), answer(text="")))
-    journal.mark([Mark("ben", LESSON, QUESTION, 1, "told me in the lab")])
-    (written,) = write_sheets(journal, tmp_path / "marking")
+    journal.mark([Mark("ben", LESSON, QUESTION, 1, "shown in the lab")])
+    (written,) = write_sheets(journal, tmp_path / "marking", code)
     points = {row["student"]: row["points"] for row in read_table(written.table, HEADER)}
     assert points["ben"] == "1" and (written.answers, written.open) == (5, 4)
     assert "5 answers, 4 to mark" in Page(written.page.read_text(encoding="utf-8")).text
@@ -157,47 +154,45 @@ def test_asterisks_in_a_question_and_a_rubric_are_emphasis(tmp_path):
         kept.keep(
             result("ada", answer(question="This *or* that?", rubric="1 for a *or* b, `x*y*z`, 2 * 3 * 4"))
         )
-        text = write_sheets(kept, tmp_path)[0].page.read_text(encoding="utf-8")
+        text = write_sheets(kept, tmp_path, code)[0].page.read_text(encoding="utf-8")
     assert "This <em>or</em> that?" in text
     assert "1 for a <em>or</em> b, <code>x*y*z</code>, 2 * 3 * 4" in text
 
 
 # --- anonymous ---
 
-SECRET = b"0123456789abcdef"
-
 
 def test_an_anonymous_sheet_and_page_name_nobody_and_come_back_to_the_students(journal, tmp_path):
     for name in STUDENTS:
         journal.keep(result(name, exercise(), answer(text="Because of the hue.")))
     journal.keep(result("Benjamin", exercise(), answer(text="")))
-    (written,) = write_sheets(journal, tmp_path / "marking", SECRET, anonymous=True)
+    (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=True)
     both = written.table.read_bytes().decode() + written.page.read_text(encoding="utf-8")
     assert not [name for name in ("Łucja", "Benjamin", "007", "1+1") if name in both]
     names = [row["student"] for row in read_table(written.table, HEADER)]
-    assert names == sorted(student_code(SECRET, each) for each in STUDENTS)
-    assert student_code(SECRET, "Benjamin") in both
-    order = sorted(STUDENTS, key=lambda each: student_code(SECRET, each))
+    assert names == sorted(code(each) for each in STUDENTS)
+    assert code("Benjamin") in both
+    order = sorted(STUDENTS, key=lambda each: code(each))
     save(written.table, filled(written.table, ["0", "0.5", "1", ""], ""))
-    taken = read_marks(journal, written.table, SECRET)
+    taken = read_marks(journal, written.table, code)
     assert given_marks(journal) == dict(zip(order[:3], [(0.0, ""), (0.5, ""), (1.0, "")], strict=True))
-    assert taken.open == ((student_code(SECRET, order[3]), QUESTION),)
+    assert taken.open == ((code(order[3]), QUESTION),)
 
 
 def test_marks_in_an_anonymous_sheet_are_not_written_over_by_one_with_names(journal, tmp_path):
-    (written,) = write_sheets(journal, tmp_path / "marking", SECRET, anonymous=True)
+    (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=True)
     save(written.table, filled(written.table, ["1", "", "", ""], ""))
     with pytest.raises(MarksError, match="row 2, has a mark that was not read in"):
-        write_sheets(journal, tmp_path / "marking", SECRET)
-    read_marks(journal, written.table, SECRET)
-    assert write_sheets(journal, tmp_path / "marking", SECRET)[0].open == 3
+        write_sheets(journal, tmp_path / "marking", code)
+    read_marks(journal, written.table, code)
+    assert write_sheets(journal, tmp_path / "marking", code)[0].open == 3
 
 
 def test_codes_of_another_secret_are_refused(journal, tmp_path):
-    (written,) = write_sheets(journal, tmp_path / "marking", SECRET, anonymous=True)
+    (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=True)
     save(written.table, filled(written.table, ["1"] * 4))
     with pytest.raises(MarksError, match="no student 'student-.*' was graded .* with this secret: read an"):
-        read_marks(journal, written.table, b"another secret of ours")
+        read_marks(journal, written.table, partial(student_code, b"another secret"))
     assert journal.marks() == []
 
 
@@ -220,7 +215,7 @@ VARIANTS = {
 @pytest.mark.parametrize("comma", [False, True])
 def test_a_sheet_comes_back_from_any_spreadsheet(journal, sheet, variant, comma):
     save(sheet, filled(sheet, ["0,5" if comma else "0.5", " 2 ", "0", "1,25"]), **VARIANTS[variant])
-    taken = read_marks(journal, sheet)
+    taken = read_marks(journal, sheet, code)
     assert (taken.read, len(taken.changed), taken.open) == (4, 4, ())
     order = sorted(STUDENTS)
     assert given_marks(journal) == dict(
@@ -230,18 +225,18 @@ def test_a_sheet_comes_back_from_any_spreadsheet(journal, sheet, variant, comma)
 
 def test_reading_twice_changes_nothing(journal, sheet):
     save(sheet, filled(sheet, ["1"] * 4))
-    assert len(read_marks(journal, sheet).changed) == 4
+    assert len(read_marks(journal, sheet, code).changed) == 4
     before = journal.marks()
-    again = read_marks(journal, sheet)
+    again = read_marks(journal, sheet, code)
     assert (again.read, again.changed) == (4, ()) and journal.marks() == before
 
 
 def test_windows_own_encoding_is_read(journal, tmp_path):
     with Journal(tmp_path / "other") as other:
         other.keep(result("José", answer()))
-        (written,) = write_sheets(other, tmp_path / "m")
+        (written,) = write_sheets(other, tmp_path / "m", code)
         save(written.table, filled(written.table, ["1"], "c’est ça"), separator=";", encoding="cp1252")
-        read_marks(other, written.table)
+        read_marks(other, written.table, code)
         assert given_marks(other) == {"José": (1.0, "c’est ça")}
 
 
@@ -249,7 +244,7 @@ def test_excels_line_that_names_the_separator_is_no_row(journal, sheet):
     save(sheet, filled(sheet, ["1", "1", "1", "3"]), separator=";")
     sheet.write_bytes(codecs.BOM_UTF8 + b"sep=;\r\n" + sheet.read_bytes()[3:])
     with pytest.raises(MarksError, match="row 5: 3 points; the question is worth 2"):
-        read_marks(journal, sheet)
+        read_marks(journal, sheet, code)
 
 
 def test_empty_columns_and_rows_moved_and_sorted_ones_do_no_harm(journal, sheet):
@@ -257,31 +252,31 @@ def test_empty_columns_and_rows_moved_and_sorted_ones_do_no_harm(journal, sheet)
     turned = [[*reversed(row), "", ""] for row in [header, *reversed(rows)]]
     turned.insert(2, [""] * 9)
     save(sheet, turned, separator=";")
-    assert read_marks(journal, sheet).read == 4
+    assert read_marks(journal, sheet, code).read == 4
 
 
 def test_a_number_that_lost_its_zeros_is_found_again_where_only_one_can_be_meant(journal, sheet):
     rows = [[cell if cell != "007" else "7" for cell in row] for row in filled(sheet, ["1"] * 4)]
     save(sheet, rows)
-    assert read_marks(journal, sheet).read == 4 and "007" in given_marks(journal)
+    assert read_marks(journal, sheet, code).read == 4 and "007" in given_marks(journal)
     journal.keep(result("07", answer()))
     with pytest.raises(MarksError, match="no student '7'"):
-        read_marks(journal, sheet)
+        read_marks(journal, sheet, code)
 
 
 def test_what_is_still_open_is_told(journal, sheet):
     save(sheet, filled(sheet, ["", "1", "", ""], ""))
     order = sorted(STUDENTS)
-    assert read_marks(journal, sheet).open == tuple((order[i], QUESTION) for i in (0, 2, 3))
+    assert read_marks(journal, sheet, code).open == tuple((order[i], QUESTION) for i in (0, 2, 3))
     save(sheet, [row for row in filled(sheet, ["1"] * 4) if row[0] in ("student", "ada")])
-    assert [student for student, _ in read_marks(journal, sheet).open] == ["007", STUDENTS[2]]
+    assert [student for student, _ in read_marks(journal, sheet, code).open] == ["007", STUDENTS[2]]
 
 
 def test_points_that_were_taken_out_of_a_sheet_stay_in_the_journal(journal, sheet):
     save(sheet, filled(sheet, ["1"] * 4))
-    read_marks(journal, sheet)
+    read_marks(journal, sheet, code)
     save(sheet, filled(sheet, [""] * 4, ""))
-    assert read_marks(journal, sheet).read == 0 and len(journal.marks()) == 4
+    assert read_marks(journal, sheet, code).read == 0 and len(journal.marks()) == 4
 
 
 WRONG = {
@@ -301,7 +296,7 @@ WRONG = {
 def test_points_that_cannot_be_are_refused_with_their_row_and_nothing_is_read(journal, sheet, points):
     save(sheet, filled(sheet, [points, "1", "1", "1"]))
     with pytest.raises(MarksError) as refused:
-        read_marks(journal, sheet)
+        read_marks(journal, sheet, code)
     assert WRONG[points] in str(refused.value) and "nothing was read in" in str(refused.value)
     assert journal.marks() == []
 
@@ -324,7 +319,7 @@ def changed(rows, what, to):
 def test_a_row_that_belongs_to_nobody_and_a_changed_header_are_refused(journal, sheet, what, to, said):
     save(sheet, changed(filled(sheet, ["1"] * 4), what, to))
     with pytest.raises((MarksError, TableError), match=f"(?s){said}"):
-        read_marks(journal, sheet)
+        read_marks(journal, sheet, code)
     assert journal.marks() == []
 
 
@@ -332,26 +327,26 @@ def test_a_further_column_and_a_cell_beside_the_table_are_refused(journal, sheet
     header, *rows = filled(sheet, ["1"] * 4)
     save(sheet, [[*header, "mine"], *rows])
     with pytest.raises(TableError, match="'mine' does not belong there"):
-        read_marks(journal, sheet)
+        read_marks(journal, sheet, code)
     save(sheet, [header, [*rows[0], "1.5"], *rows[1:]])
     with pytest.raises(TableError, match="row 2: '1.5' stands in a column without a name"):
-        read_marks(journal, sheet)
+        read_marks(journal, sheet, code)
 
 
 def test_a_row_that_stands_twice_must_say_the_same(journal, sheet):
     rows = filled(sheet, ["1"] * 4)
     save(sheet, [*rows, rows[1]])
-    assert read_marks(journal, sheet).read == 4
+    assert read_marks(journal, sheet, code).read == 4
     other = changed([rows[1]], "1", "2")
     save(sheet, [*rows, *other])
     with pytest.raises(MarksError, match="row 6: .* has another mark in row 2"):
-        read_marks(journal, sheet)
+        read_marks(journal, sheet, code)
 
 
 def test_all_rows_that_are_wrong_are_told_at_once(journal, sheet):
     save(sheet, filled(sheet, ["9", "x", "1", "-"]))
     with pytest.raises(MarksError, match=r"(?s)row 2: .*row 3: .*row 5: "):
-        read_marks(journal, sheet)
+        read_marks(journal, sheet, code)
 
 
 @pytest.mark.parametrize(
@@ -368,9 +363,9 @@ def test_a_file_that_is_no_sheet_is_refused(journal, tmp_path, content, said):
     path = tmp_path / "x.csv"
     path.write_bytes(content)
     with pytest.raises(TableError, match=said):
-        read_marks(journal, path)
+        read_marks(journal, path, code)
     with pytest.raises(MarksError, match="there is no"):
-        read_marks(journal, tmp_path / "missing.csv")
+        read_marks(journal, tmp_path / "missing.csv", code)
 
 
 # --- tables ---
@@ -384,6 +379,6 @@ def test_any_name_answer_and_comment_survives_the_round(tmp_path_factory, name, 
     with Journal(folder) as kept:
         kept.keep(result(name, answer(text=text.encode("utf-8", "replace").decode())))
         kept.mark([Mark(name, LESSON, QUESTION, points, "-1, \"=2\"; 'so'")])
-        (written,) = write_sheets(kept, folder)
-        taken = read_marks(kept, written.table)
+        (written,) = write_sheets(kept, folder, code)
+        taken = read_marks(kept, written.table, code)
         assert (taken.read, taken.changed) == (1, ())
