@@ -154,7 +154,7 @@ def test_modules_import_only_what_stands_below_them():
         ("exercises.check", "from nao_course.sim import Field"),
         ("exercises.check", "from nao_course.lessons.distance import drivers"),
         ("student", "from nao_course.instructor.sandbox import level"),
-        ("lessons.distance.panel", "from nao_course import instructor"),
+        ("lessons.distance.panels.tilt", "from nao_course import instructor"),
         ("widgets.panel", "from nao_course import cli"),
     ],
 )
@@ -171,7 +171,7 @@ def test_an_import_upwards_is_found_out(module, line):
         ),
         ("geometry", "from nao_course.codec import register"),
         ("widgets.panel", "from nao_course import plotting, metrics"),
-        ("lessons.distance.panel", "from nao_course import plotting, widgets"),
+        ("lessons.distance.panels.tilt", "from nao_course import plotting, widgets"),
         ("exercises.check", "from nao_course.geometry import wrap_angle\nimport numpy"),
         ("cli", "from nao_course import instructor"),
         ("instructor.sandbox.worker", "from nao_course.instructor import sandbox"),

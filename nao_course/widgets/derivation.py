@@ -303,9 +303,8 @@ class DerivationSheet:
 
         likely = list(self._likely(*at))
         candidates = [entry, *(each for _, each in likely)]
-        finite = [
-            each.xreplace({sympy.zoo: sympy.nan}) for each in candidates
-        ]  # NumPy has no complex infinity
+        # NumPy has no complex infinity.
+        finite = [each.xreplace({sympy.zoo: sympy.nan}) for each in candidates]
         compiled = sympy.lambdify(list(self._points), finite, "numpy")
         values = np.array(
             [compiled(*point) for point in zip(*self._points.values(), strict=True)], dtype=complex

@@ -12,10 +12,9 @@ from nao_course.lessons.distance.noise_figures import (
     tilt_errors,
     typical_error,
 )
-from nao_course.lessons.distance.panel import TiltPanel
+from nao_course.lessons.distance.panels import RayPanel, TiltPanel
 from nao_course.lessons.distance.payoff import draw_payoff
 from nao_course.lessons.distance.phone import PhoneLab
-from nao_course.lessons.distance.ray_panel import RayPanel
 
 __all__ = [
     "Marked",

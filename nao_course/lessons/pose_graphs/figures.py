@@ -289,9 +289,8 @@ def _plot_steps(world: World, every: Sequence[FloatArray], ax: Axes) -> None:
     )
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.set_aspect("equal", adjustable="datalim")
-    ax.legend(
-        loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=9
-    )  # inside, lines look like paths
+    # Below the axes, because the legend's lines would look like paths inside.
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=9)
 
 
 def first_step_ratio(gauss_newton: GaussNewton, drift: float) -> float:

@@ -56,4 +56,4 @@ class WorldPanel(FunctionPanel):
 
 
 class WorldPlayer(WorldPanel, PlayerPanel):
-    """A view of the world with a slider that plays; `controls` and `options` are those of `PlayerPanel`."""
+    """A view of the world with a slider that plays; `PlayerPanel` describes `controls` and `options`."""

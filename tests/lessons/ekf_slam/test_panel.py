@@ -90,7 +90,5 @@ def test_an_error_is_shown_and_can_be_raised(film_functions):
 
 def test_where_no_widget_lives_there_are_a_picture_and_words(panel):
     shown = panel._repr_mimebundle_()
-    assert (
-        "data:image/jpeg" in shown["text/html"]
-        and "correlation between landmarks 0.00" in shown["text/plain"]
-    )
+    assert "data:image/png" in shown["text/html"]
+    assert "correlation between landmarks 0.00" in shown["text/plain"]

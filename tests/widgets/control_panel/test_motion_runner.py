@@ -10,7 +10,7 @@ from nao_course.geometry import Pose
 from nao_course.sim import SimulatedNao
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.control_panel.cockpit import STEP
-from nao_course.widgets.parts import PERIOD
+from nao_course.widgets.control_panel.motion_runner import PERIOD
 from tests.widgets.robots import clean_nao, in_a_loop, press, until_it_stands
 
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray, Pose, as_points
-from nao_course.lessons.distance.panel import mark_pixels
+from nao_course.lessons.distance.panels.tilt import mark_pixels
 from nao_course.lessons.distance.phone.photo import (
     ENLARGED,
     FOCALS_35,

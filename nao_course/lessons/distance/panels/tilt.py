@@ -12,8 +12,8 @@ import numpy.typing as npt
 from matplotlib.colors import to_rgb
 
 from nao_course.geometry import FloatArray, Pose, as_points
-from nao_course.lessons.distance.live_map import POINT_MARKER, LiveMap
 from nao_course.lessons.distance.looks import MarkedPicture, look_around, points_covariance
+from nao_course.lessons.distance.panels.live_map import POINT_MARKER, LiveMap
 from nao_course.plotting import LANDMARK_MARKERS, STYLES, table
 from nao_course.sim import CameraView, Field, Reality, TorsoTilt
 from nao_course.slam import Estimate, LandmarkKind

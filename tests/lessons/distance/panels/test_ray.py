@@ -5,7 +5,7 @@ import pytest
 
 from nao_course.lessons.distance import RayPanel
 from nao_course.lessons.distance.looks import HEAD_PITCH
-from nao_course.lessons.distance.ray_panel import LANDMARKS, POSE
+from nao_course.lessons.distance.panels.ray import LANDMARKS, POSE
 from nao_course.sim import NAO_V4
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.distance.looks import points_covariance
-from nao_course.lessons.distance.panel import COLOUR, POSE, TiltPanel, upright_picture
+from nao_course.lessons.distance.panels.tilt import COLOUR, POSE, TiltPanel, upright_picture
 from tests.lessons.distance.own import own
 
 

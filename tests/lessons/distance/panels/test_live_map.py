@@ -3,7 +3,7 @@
 import numpy as np
 
 from nao_course.geometry import Pose
-from nao_course.lessons.distance.live_map import LiveMap
+from nao_course.lessons.distance.panels.live_map import LiveMap
 from nao_course.sim import Field
 from nao_course.slam import Estimate, Measurement
 from nao_course.widgets.vector_map import MapContents
