@@ -207,14 +207,14 @@ def status_box(
     )
 
 
-def jpeg(pixels: npt.NDArray[np.uint8]) -> bytes:
-    """Encode a picture (H, W, 3) as a JPEG file of at most 640 pixels width."""
+def jpeg(pixels: npt.NDArray[np.uint8], quality: int = JPEG_QUALITY) -> bytes:
+    """Encode a picture (H, W, 3) as a JPEG file of at most 640 pixels width and a quality of up to 100."""
     if pixels.shape[1] > SHOWN_WIDTH:
         height = round(pixels.shape[0] * SHOWN_WIDTH / pixels.shape[1])
         pixels = np.asarray(
             cv2.resize(pixels, (SHOWN_WIDTH, height), interpolation=cv2.INTER_AREA), dtype=np.uint8
         )
-    return _encoded(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+    return _encoded(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, quality])
 
 
 def png(pixels: npt.NDArray[np.uint8]) -> bytes:

@@ -7,7 +7,7 @@ import { groundQuads, LEVEL } from "./room.js";
 
 const WIDTH = 0.022; // m, of a path
 const DASH = 0.07; // m
-const RAY = 0.005; // m, radius
+const RAY = 0.007; // m, radius
 
 const circle = new CircleGeometry(1, 40);
 const ring = new BufferGeometry();

@@ -1,38 +1,29 @@
 // A robot of links and joints from the scene's plain data, opaque or translucent.
-import { BufferAttribute, BufferGeometry, Group, Mesh, MeshBasicMaterial, Quaternion, Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, Group, Mesh, Vector3 } from "three";
 import { Shaded, toRgb } from "./shaded.js";
 
-// One geometry for each link, shared by all robots of a scene.
-export function linkGeometries(data) {
+// One geometry for the whole robot, which all robots of a scene share: each corner has the number of its link, because a
+// drawing call for each link would take most of the time where there is no graphics card.
+export function robotGeometry(data) {
   const bytes = (view) => view.buffer.slice(view.byteOffset, view.byteOffset + view.byteLength);
-  const corners = new Int16Array(bytes(data.corners));
+  const corners = Float32Array.from(new Int16Array(bytes(data.corners)), (value) => value * data.unit);
   const triangles = new Uint16Array(bytes(data.triangles));
-  const perShape = corners.length / data.shapes.length;
-  const found = new Map();
-  for (const { name } of data.links) {
-    const mine = data.shapes.map((shape, i) => [shape, i]).filter(([shape]) => shape.link === name);
-    if (!mine.length) continue;
-    const positions = new Float32Array(mine.length * perShape);
-    const colours = new Float32Array(mine.length * perShape);
-    const indices = new Uint32Array(mine.length * triangles.length);
-    mine.forEach(([shape, i], n) => {
-      const colour = toRgb(shape.colour);
-      for (let k = 0; k < perShape; k++) positions[n * perShape + k] = corners[i * perShape + k] * data.unit;
-      for (let k = 0; k < perShape; k += 3) colours.set(colour, n * perShape + k);
-      for (let k = 0; k < triangles.length; k++) indices[n * triangles.length + k] = triangles[k] + (n * perShape) / 3;
-    });
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(positions, 3));
-    geometry.setAttribute("color", new BufferAttribute(colours, 3));
-    geometry.setIndex(new BufferAttribute(indices, 1));
-    geometry.computeVertexNormals();
-    found.set(name, geometry);
-  }
-  return found;
+  const perShape = corners.length / data.shapes.length / 3;
+  const numbers = new Map(data.links.map(({ name }, i) => [name, i]));
+  const colours = data.shapes.flatMap(({ colour }) => Array(perShape).fill(toRgb(colour)).flat());
+  const links = data.shapes.flatMap(({ link }) => Array(perShape).fill(numbers.get(link)));
+  const indices = data.shapes.flatMap((_, n) => Array.from(triangles, (i) => i + n * perShape));
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(corners, 3));
+  geometry.setAttribute("color", new BufferAttribute(new Float32Array(colours), 3));
+  geometry.setAttribute("link", new BufferAttribute(new Float32Array(links), 1));
+  geometry.setIndex(indices);
+  geometry.computeVertexNormals();
+  return geometry;
 }
 
 export class Robot {
-  constructor(data, geometries, ghost) {
+  constructor(data, geometry, ghost) {
     this.data = data;
     this.group = new Group(); // on the ground below the robot, at its pose
     this.body = new Group(); // tilted
@@ -40,27 +31,25 @@ export class Robot {
     this.links = new Map();
     this.phase = 0;
     this.walking = 0;
-    const layers = ghost
-      ? [
-          // The first pass fills the depth buffer, so that the second one shows nothing of the robot's inside.
-          [new MeshBasicMaterial({ colorWrite: false, transparent: true }), 20],
-          [new Shaded(ghost.colour, ghost.opacity), 21],
-        ]
-      : [[new Shaded(null), 0]];
     for (const { name, parent, origin, axis } of data.links) {
       const group = new Group();
       group.position.set(...origin);
       group.userData.axis = new Vector3(...axis);
       (parent ? this.links.get(parent) : this.body).add(group);
       this.links.set(name, group);
-      if (!geometries.has(name)) continue;
-      for (const [material, order] of layers) {
-        const mesh = new Mesh(geometries.get(name), material);
-        mesh.renderOrder = order;
-        group.add(mesh);
-      }
     }
-    this.materials = layers.map(([material]) => material);
+    const frames = [...this.links.values()].map((group) => group.matrixWorld);
+    this.materials = ghost
+      ? // The first pass fills the depth buffer, so that the second one shows nothing of the robot's inside.
+        [new Shaded(ghost.colour, ghost.opacity, frames), new Shaded(ghost.colour, ghost.opacity, frames)]
+      : [new Shaded(null, 1, frames)];
+    if (ghost) this.materials[0].colorWrite = false;
+    this.materials.forEach((material, i) => {
+      const mesh = new Mesh(geometry, material);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = ghost ? 20 + i : 0;
+      this.group.add(mesh);
+    });
   }
 
   place([x, y, theta], head, [pitch, roll]) {
@@ -79,7 +68,7 @@ export class Robot {
     }
     for (const [name, angle] of Object.entries(angles)) {
       const link = this.links.get(name);
-      link.quaternion.copy(new Quaternion().setFromAxisAngle(link.userData.axis, angle));
+      link.quaternion.setFromAxisAngle(link.userData.axis, angle);
     }
   }
 

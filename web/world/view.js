@@ -4,7 +4,7 @@ import {
 } from "three";
 import { Cone } from "./cone.js";
 import { Overlay } from "./overlay.js";
-import { linkGeometries, Robot } from "./robot.js";
+import { Robot, robotGeometry } from "./robot.js";
 import { LEVEL, Room, shadowTexture } from "./room.js";
 
 const JUMP = 0.7; // m: a robot that is put somewhere else does not walk there
@@ -40,13 +40,12 @@ export class View {
     this.camera.up.set(0, 0, 1);
     this.room = new Room(scene, () => this.invalidate());
     this.overlay = new Overlay(scene, this.source);
-    const geometries = linkGeometries(scene.robot);
+    const geometry = robotGeometry(scene.robot);
     const { colour } = scene.sources[this.source];
     this.robots = {
-      truth: new Robot(scene.robot, geometries, null),
-      estimate: new Robot(scene.robot, geometries, { colour, opacity: scene.opacities.ghost }),
+      truth: new Robot(scene.robot, geometry, null),
+      estimate: new Robot(scene.robot, geometry, { colour, opacity: scene.opacities.ghost }),
     };
-    this.geometries = geometries;
     this.shadow = new Mesh(
       new PlaneGeometry(0.46, 0.46),
       new MeshBasicMaterial({ map: shadowTexture(), transparent: true, depthWrite: false }),

@@ -25,6 +25,7 @@ from nao_course.widgets.world.picture import render_world
 from nao_course.widgets.world.scene import PRESETS, Preset, Viewpoint, WorldScene
 from nao_course.widgets.world.widget import WorldWidget
 
+CONE_QUALITY = 75  # of a JPEG file: the pictures in the view cones are small
 PATH_STEP = 0.05  # m: a path is sent to the browser with about this distance between its points
 
 
@@ -200,7 +201,7 @@ class WorldView:
             trails=_trails(self.contents.paths),
             viewpoint=self._viewpoint.data(),
             summary=self.summary(),
-            **{camera: jpeg(pixels) for camera, pixels in self.contents.pictures.items()},
+            **{camera: jpeg(pixels, CONE_QUALITY) for camera, pixels in self.contents.pictures.items()},
         )
         widget.observe(self._moved, names="viewpoint")
         widget.observe(lambda change: self._still.ask(), names="needs_still")
@@ -217,7 +218,7 @@ class WorldView:
             for camera in self.scene.model.cameras:
                 picture = now.pictures.get(camera)
                 if picture is not before.pictures.get(camera):
-                    setattr(self.widget, camera, b"" if picture is None else jpeg(picture))
+                    setattr(self.widget, camera, b"" if picture is None else jpeg(picture, CONE_QUALITY))
         if self.widget.needs_still:
             self._still.ask()
 
