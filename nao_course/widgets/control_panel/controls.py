@@ -93,6 +93,7 @@ _CSS = """
 .nao-cockpit .nao-numbers .widget-html-content { display: flex; gap: 6px; }
 .nao-cockpit .nao-tile { flex: 1 1 0; min-width: 0; padding: 3px 6px; border-top: 3px solid #0b5fa5;
   border-radius: 4px; background: var(--jp-layout-color2, #eee); line-height: 16px; font-size: 12px; }
+.nao-cockpit .nao-tile:last-child { flex-grow: 1.5; }  /* its word is long */
 .nao-cockpit .nao-tile b { display: block; font-size: 18px; line-height: 24px; font-variant-numeric: tabular-nums;
   white-space: nowrap; letter-spacing: -0.3px; }
 .nao-cockpit .nao-tile small { display: block; font-size: 11px; line-height: 13px; min-height: 26px; }
