@@ -87,6 +87,16 @@ def test_the_solution_gets_all_points(marked):
     assert result.seconds > 0 and result.notes == ()
 
 
+@pytest.mark.parametrize("content", [None, b""])
+def test_lateness_and_the_time_are_kept_and_cost_nothing(server, assignment, tmp_path, content):
+    path = chain.hand_in(tmp_path, "ada", chain.notebook() if content is None else content)
+    on_time = Submission("ada", chain.LESSON, path, file="ada/x.ipynb")
+    late = replace(on_time, late=True, handed_in="2026-11-20 22:10+00:00")
+    one, other = (grade(each, assignment, server, "full") for each in (on_time, late))
+    assert (other.late, other.handed_in) == (True, "2026-11-20 22:10+00:00")
+    assert other == replace(one, late=True, handed_in=late.handed_in)
+
+
 def test_a_blank_copy_gets_none_and_is_said_not_to_be_attempted(marked):
     result = marked(chain.BLANK)
     assert set(states(result).values()) == {"not attempted"}
