@@ -50,13 +50,21 @@ class Result:
 
     def show(self, console: Console) -> None:
         """Print the tables and notes."""
+        window = console.width
         for table in self.tables:
+            rows = [
+                [f"{cell:.2f}" if isinstance(cell, float) else str(cell) for cell in row]
+                for row in table.rows
+            ]
+            widths = _widths(list(zip(table.columns, *rows, strict=True)), window)
             shown = RichTable(title=table.title, title_justify="left", title_style="bold")
-            for i, column in enumerate(table.columns):
-                shown.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
-            for row in table.rows:
-                shown.add_row(*(f"{cell:.2f}" if isinstance(cell, float) else str(cell) for cell in row))
+            for i, (column, width) in enumerate(zip(table.columns, widths, strict=True)):
+                shown.add_column(column, justify="left" if i == 0 else "right", width=width)
+            for row in rows:
+                shown.add_row(*row)
+            console.width = max(window, sum(widths) + _borders(len(widths)))
             console.print(shown)
+            console.width = window
         for note in self.notes:
             console.print(note, highlight=False)
 
@@ -66,6 +74,21 @@ class Result:
         path = folder / f"{self.name}.json"
         path.write_text(json.dumps(_rounded(self.values), indent=2, allow_nan=False) + "\n", encoding="utf-8")
         return path
+
+
+def _borders(columns: int) -> int:
+    """Return the width of what stands between and beside the columns: a line, and a space on both of its sides."""
+    return 3 * columns + 1
+
+
+def _widths(columns: list[tuple[str, ...]], window: int) -> list[int]:
+    """Return the columns' widths so that a table fits into a window, if no word or number has to be broken for it."""
+    least = [max((len(word) for cell in cells for word in cell.split()), default=1) for cells in columns]
+    widths = [max(map(len, cells)) for cells in columns]
+    while sum(widths) + _borders(len(widths)) > window and widths != least:
+        widest = max((i for i, width in enumerate(widths) if width > least[i]), key=lambda i: widths[i])
+        widths[widest] -= 1
+    return widths
 
 
 def _rounded(value: Any) -> Any:

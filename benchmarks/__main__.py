@@ -62,7 +62,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if unknown := sorted(set(chosen) - set(MODULES)):
         parser.error(f"there is no benchmark {', '.join(unknown)}; there are: {', '.join(sorted(MODULES))}")
     console = Console()
-    console.width = max(console.width, 110)  # a file or a narrow window: rather long lines than broken tables
     done = [run(name, console) for name in chosen or sorted(MODULES)]
     return 0 if all(done) else 1
 
