@@ -10,7 +10,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from nao_course.instructor.authoring.course import load_course
+from nao_course.exercises import lesson_names
+from nao_course.instructor.authoring.course import Course, LessonError, load_course
+from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from website import ROOT
 from website.checks import offences
 from website.editions import EDITIONS, gather
@@ -37,13 +39,17 @@ def build(edition: str, folder: Path, lessons: Sequence[str] = ()) -> Path:
 
     Raises
     ------
+    LessonError
+        If a lesson is not built.
     subprocess.CalledProcessError
         If Sphinx failed or warned.
     """
     course = load_course(ROOT)
+    names = course.names(lessons or course.chosen)
+    _refuse_what_has_no_pages(course, names)
     sources, pages = folder / "sources", folder / "pages"
     shutil.rmtree(folder, ignore_errors=True)
-    gather(EDITIONS[edition], course, course.names(lessons or course.chosen), sources)
+    gather(EDITIONS[edition], course, names, sources)
     options = (
         "--fail-on-warning",
         "--keep-going",
@@ -66,6 +72,19 @@ def build(edition: str, folder: Path, lessons: Sequence[str] = ()) -> Path:
     return pages
 
 
+def _refuse_what_has_no_pages(course: Course, names: Sequence[str]) -> None:
+    """Refuse lessons whose notebooks are missing or are not what their texts say; the message names the command."""
+    refuse_what_is_not_built(course, names, executed=True)
+    missing = [name for name in names if not (course.root / "notebooks" / f"{name}.ipynb").is_file()]
+    if missing:
+        raise LessonError(
+            "\n".join(
+                f"there is no notebooks/{name}.ipynb: run `nao-course build {lesson_names.number_of(name)}`"
+                for name in missing
+            )
+        )
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Build what the command line names and look through it; return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m website", description="Build the course's pages.")
@@ -76,6 +95,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         pages = build(chosen.edition, BUILD / chosen.edition, chosen.lessons)
     except subprocess.CalledProcessError as error:
         return error.returncode
+    except ValueError as error:  # a lesson that is not built, or whose first cell lacks a fact
+        print(error, file=sys.stderr)
+        return 1
     wrong = offences(pages)
     print(*wrong, f"The {chosen.edition} pages: {(pages / 'index.html').relative_to(ROOT)}", sep="\n")
     return bool(wrong)
