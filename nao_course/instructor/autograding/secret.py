@@ -46,6 +46,11 @@ def load_secret() -> bytes:
         with path.open("rb") as file:
             mode = os.fstat(file.fileno()).st_mode
             content = file.read(2**16).strip()
+    except FileNotFoundError:
+        raise SecretError(
+            f"{VARIABLE} names {path}, which does not exist. Copy your secret there, because with another one "
+            f"everything is graded again, or unset {VARIABLE}; a new secret is created only in your configuration"
+        ) from None
     except OSError as error:
         raise SecretError(
             f"cannot read the secret {path} ({error.strerror}): hidden cases are drawn from it"

@@ -42,7 +42,7 @@ def test_a_secret_that_is_none_is_refused(no_secret, content, mode, reason):
 
 def test_a_secret_that_is_named_is_not_made(no_secret, tmp_path, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_SECRET", str(tmp_path / "mine"))
-    with pytest.raises(SecretError, match="mine"):
+    with pytest.raises(SecretError, match="mine, which does not exist. Copy your secret there.*unset"):
         load_secret()
     assert not (tmp_path / "mine").exists() and not no_secret.exists()
 
