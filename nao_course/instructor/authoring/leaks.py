@@ -15,6 +15,8 @@ from nao_course.exercises.earlier import assigned_use
 from nao_course.instructor.authoring import lesson_text
 
 SMALLEST = 9  # nodes of a piece of code; smaller ones are alike by accident, such as a shape that is unpacked
+# What an author does about a leak; the two are alike, so that either can be changed
+WAY_OUT = "write one of the two in another way, with other operations, because other names are not enough"
 _BUILTINS = frozenset(dir(builtins))
 _FENCE = re.compile(r"^```[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
@@ -40,8 +42,8 @@ class Leak:
     secret: str
 
     def __str__(self) -> str:
-        """Return both in one line."""
-        return f"{self.where} holds code of {self.secret}"
+        """Return both in one line, with what to do."""
+        return f"{self.where} holds code of {self.secret}; {WAY_OUT}"
 
 
 def find_leaks(public: Mapping[str, bytes], secrets: Mapping[str, str]) -> list[Leak]:
@@ -61,12 +63,18 @@ def find_leaks(public: Mapping[str, bytes], secrets: Mapping[str, str]) -> list[
     """
     found: dict[str, Leak] = {}
     for file, content in public.items():
-        for place, source in _code_in(file, content):
-            for fingerprint, line in [*fingerprints(source), *_quoted(source)]:
-                if fingerprint in secrets:
-                    where = f"{file}, {place}line {line}"
-                    found.setdefault(where, Leak(where, secrets[fingerprint]))
+        for fingerprint, place in fingerprints_in(file, content):
+            if fingerprint in secrets:
+                where = f"{file}, {place}"
+                found.setdefault(where, Leak(where, secrets[fingerprint]))
     return list(found.values())
+
+
+def fingerprints_in(file: str, content: bytes) -> Iterator[tuple[str, str]]:
+    """Yield the fingerprints of all code in a file, also of code in its strings, each with its place in the file."""
+    for place, source in _code_in(file, content):
+        for fingerprint, line in [*fingerprints(source), *_quoted(source)]:
+            yield fingerprint, f"{place}line {line}"
 
 
 def _code_in(file: str, content: bytes) -> Iterator[tuple[str, str]]:

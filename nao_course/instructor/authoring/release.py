@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
 import re
@@ -15,7 +16,7 @@ from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.build import CODE_STUB, build
 from nao_course.instructor.authoring.course import CHECKS, Course, LessonError
 from nao_course.instructor.authoring.execute import Tell
-from nao_course.instructor.authoring.leaks import find_leaks, fingerprints
+from nao_course.instructor.authoring.leaks import find_leaks, fingerprints, fingerprints_in
 from nao_course.instructor.authoring.mistakes import Change
 from nao_course.instructor.authoring.plans import load_plan
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
@@ -152,33 +153,41 @@ def release_problems(course: Course, files: Mapping[str, bytes]) -> list[str]:
             ]
             if re.search(r"\bTODO\b", text):
                 problems.append(f"{name} says TODO: it is not finished")
-            problems += [f"{name}: a written answer is in it" for answer in answers if answer in text]
+            problems += [
+                f"{name}: your answer to {question} is in it; keep it in that question's cell of the solution only"
+                for answer, question in answers.items()
+                if answer in text
+            ]
         elif name.endswith(".bin"):
             unpack(content)  # it raises if this were anything but a lesson's data
     return problems
 
 
-def model_answers(course: Course) -> list[str]:
-    """Return the instructor's answers to written questions, as they would stand in a notebook's file."""
-    return [
-        json.dumps(line, ensure_ascii=False)[1:-1]
+def model_answers(course: Course) -> dict[str, str]:
+    """Map the instructor's answers to written questions, as they would stand in a notebook's file, to the questions."""
+    return {
+        json.dumps(line, ensure_ascii=False)[1:-1]: lesson_text.exercise_name(cell)
         for name in course.names()
         for _, cell in lesson_text.written_cells(lesson_text.read_lesson(course.text(name)))
         for line in cell.source.splitlines()
         if len(line) > 20
-    ]
+    }
 
 
 def secrets(course: Course) -> dict[str, str]:
     """Map the fingerprints of all code that no student may get to descriptions of that code.
 
     The helpers of a declaration often draw the same points or poses as the library does. A piece of a declaration that
-    the library holds anyway is therefore no secret; a piece of a solution always is.
+    the library holds anyway, also in a string, is therefore no secret; a piece of a solution always is.
     """
     found: dict[str, str] = {}
     for path in sorted((course.solutions / "exercises").glob("*.py")):
-        pieces = fingerprints(path.read_text(encoding="utf-8"))
-        found |= {each: f"{path.name}, line {line}" for each, line in pieces}
+        source = path.read_text(encoding="utf-8")
+        exercises = exercises_by_line(source)
+        found |= {
+            each: f"{path.name}, {exercises[line] + ': ' if line in exercises else ''}line {line}"
+            for each, line in fingerprints(source)
+        }
         for exercise in load_plan(path).exercises:
             for mistake in exercise.mistakes:
                 if isinstance(mistake.function, Change):
@@ -186,11 +195,41 @@ def secrets(course: Course) -> dict[str, str]:
                     found |= {each: where for each, _ in fingerprints(mistake.function.inserted)}
     for path in (course.root / "nao_course").rglob("*.py"):
         if "instructor" not in path.parts:
-            for each, _ in fingerprints(path.read_text(encoding="utf-8")):
+            for each, _ in fingerprints_in(path.name, path.read_bytes()):
                 found.pop(each, None)
     for name in course.names():
         notebook = lesson_text.read_lesson(course.text(name))
         for _, cell in lesson_text.code_cells(notebook, "exercise"):
             pieces = fingerprints(lesson_text.python(cell), lesson_text.solution_lines(cell))
             found |= {each: f"the solution of {lesson_text.exercise_name(cell)}" for each, _ in pieces}
+    return found
+
+
+def exercises_by_line(source: str) -> dict[int, str]:
+    """Map the lines of a declaration to the first exercise that uses them, in its own call or through helpers."""
+    values: dict[str, ast.stmt] = {}  # by the names that they define
+    exercises: list[tuple[str, ast.stmt]] = []
+    for statement in ast.parse(source).body:
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                values.setdefault(node.id, statement)
+            elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Exercise":
+                names = [each.value for each in node.keywords if each.arg == "name"]
+                exercises += [
+                    (str(each.value), statement) for each in names if isinstance(each, ast.Constant)
+                ]
+        if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+            values[statement.name] = statement
+    found: dict[int, str] = {}
+    for exercise, statement in exercises:
+        waiting, seen = [statement], {id(statement)}
+        while waiting:
+            used = waiting.pop()
+            for line in range(used.lineno, (used.end_lineno or used.lineno) + 1):
+                found.setdefault(line, exercise)
+            for node in ast.walk(used):
+                needed = values.get(node.id) if isinstance(node, ast.Name) else None
+                if needed is not None and id(needed) not in seen:
+                    seen.add(id(needed))
+                    waiting.append(needed)
     return found

@@ -7,7 +7,7 @@ import pytest
 
 from nao_course.instructor.authoring import lesson_text, release
 from nao_course.instructor.authoring.course import load_course
-from nao_course.instructor.authoring.leaks import SMALLEST, find_leaks, fingerprints
+from nao_course.instructor.authoring.leaks import SMALLEST, WAY_OUT, find_leaks, fingerprints
 from tests.paths import PROJECT
 
 COURSE = load_course(PROJECT)
@@ -69,6 +69,52 @@ def test_a_planted_secret_is_found_wherever_it_stands(secrets, piece, where):
     problems = [str(leak) for leak in find_leaks(planted, secrets)]
     place = "extra.py" if where == "module" else "cell 6"
     assert problems and all(place in problem for problem in problems)
+
+
+# Code that the library of the toy course holds in a module and in a string
+HELD = [
+    "total = np.sqrt(value**2 + 1.0) + 3.0 * value",
+    "total = np.hypot(value, 4.0) - 5.0 * value + value**4",
+]
+
+
+@pytest.fixture
+def toy_library(course):
+    """Return a course whose mistakes have two lines that its library held already and one line of their own."""
+    (course.root / "nao_course").mkdir(exist_ok=True)
+    library = f"def old(value):\n    {HELD[0]}\n    return total\n\n\nEXAMPLE = {HELD[1]!r}\n"
+    (course.root / "nao_course" / "old.py").write_text(library)
+    own = "total = np.exp(value * 2.0) - 7.0 * value + value**3"
+    changes = "".join(
+        f"        line {i}: + {line}\n            It is wrong.\n" for i, line in enumerate([*HELD, own])
+    )
+    plan = course.declaration("01_toy")
+    text = plan.read_text().replace("mistakes=[", f'mistakes=[\n    *catalogue("""\n{changes}    """),', 1)
+    imported = "from nao_course.instructor.authoring.mistakes import catalogue\n"
+    plan.write_text(imported + text)
+    return course, library, own
+
+
+def test_a_mistakes_line_that_the_library_held_already_is_no_leak(toy_library):
+    course, library, own = toy_library
+    files = {"nao_course/old.py": library.encode(), "nao_course/new.py": own.encode()}
+    leaks = find_leaks(files, release.secrets(course))
+    assert [leak.where for leak in leaks] == ["nao_course/new.py, line 1"]
+
+
+def test_a_refusal_names_the_exercise_and_what_to_do(toy_library):
+    course, _, own = toy_library
+    plan = course.declaration("01_toy")
+    helper = "def _start(value):\n    return np.log(value * 2.0) - 7.0 * value + value**5\n\n\n"
+    text = plan.read_text().replace("DOUBLE = Exercise(", f"{helper}DOUBLE = Exercise(")
+    plan.write_text(text.replace("rng.uniform(-10, 10, 6)", "map(_start, (1.0, 2.0))"))
+    line = 1 + plan.read_text().split("return np.log")[0].count("\n")
+    files = {"a.py": own.encode(), "b.py": b"start = np.log(value * 2.0) - 7.0 * value + value**5"}
+    said = [str(leak) for leak in find_leaks(files, release.secrets(course))]
+    assert said == [
+        f"a.py, line 1 holds code of 01_toy.py, double: mistake 'line 2'; {WAY_OUT}",
+        f"b.py, line 1 holds code of 01_toy.py, double: line {line}; {WAY_OUT}",
+    ]
 
 
 def test_a_solution_or_a_todo_that_was_left_in_is_found(monkeypatch):

@@ -124,7 +124,7 @@ def test_an_instructors_answer_in_a_release_is_refused(course):
     assert release_problems(course, files) == []
     leaking = there.read_text().replace(ANSWER_HERE, "Because two times one is two.")
     assert any(
-        "a written answer is in it" in each
+        "your answer to say_why is in it" in each
         for each in release_problems(course, {"release/notebooks/01_toy.ipynb": leaking.encode()})
     )
 
