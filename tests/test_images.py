@@ -8,11 +8,17 @@ from pathlib import Path
 import pytest
 
 from images.make import PICTURES
+from nao_course.instructor.authoring.course import load_course
 from tests.paths import PROJECT
 
+DRAFTS = load_course(PROJECT).drafts()  # their figures and words are still to come
 PAGES = [
     PROJECT / "README.md",
-    *sorted(chain(*(PROJECT.glob(f"{folder}/*.md") for folder in ("docs", "solutions")))),
+    *sorted(
+        path
+        for path in chain(*(PROJECT.glob(f"{folder}/*.md") for folder in ("docs", "solutions")))
+        if path.stem not in DRAFTS
+    ),
 ]
 ALT_TEXTS = tomllib.loads((PROJECT / "images" / "alt_texts.toml").read_text(encoding="utf-8"))
 
@@ -27,7 +33,8 @@ def uses(path: Path) -> list[tuple[str, Path]]:
 def pictures() -> set[Path]:
     """All files of images/ and solutions/images/ but the scripts and words."""
     there = chain(*(PROJECT.glob(f"{folder}/*.*") for folder in ("images", "solutions/images")))
-    return {path for path in there if path.suffix not in {".py", ".toml"}}
+    drawn = {f"{name[:2]}_payoff" for name in DRAFTS}
+    return {path for path in there if path.suffix not in {".py", ".toml"} and path.stem not in drawn}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -44,7 +51,7 @@ def test_every_picture_is_shown_and_every_one_that_is_shown_is_there():
 
 
 def test_the_script_makes_every_picture_and_no_other():
-    assert {path.stem for path in pictures()} == {*PICTURES}
+    assert {path.stem for path in pictures()} == {*PICTURES} - {f"{name[:2]}_payoff" for name in DRAFTS}
 
 
 def test_student_copies_come_with_the_pictures_of_the_solutions():

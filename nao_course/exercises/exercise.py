@@ -163,11 +163,15 @@ class LessonPlan:
         In the order of the lesson.
     written : sequence of Written
         In the order of the lesson.
+    waived : mapping of str to str
+        Numbers of the rules in docs/write_a_lesson.md that do not hold for this lesson, each with the reason, such as
+        {"3": "a lab of half an hour"}. Only rules about a lesson's size and parts can be waived.
     """
 
     exercises: Sequence[Exercise]
     questions: Sequence[Question] = ()
     written: Sequence[Written] = ()
+    waived: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def points(self) -> dict[str, float]:

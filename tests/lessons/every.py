@@ -1,5 +1,6 @@
 """What the rules look at: the lessons of a course, each file read once; and what earlier lessons' functions are."""
 
+import re
 from functools import cache
 
 import nbformat
@@ -14,6 +15,7 @@ from tests.paths import PROJECT
 
 COURSE = load_course(PROJECT)
 NAMES = COURSE.names()
+FINISHED = [name for name in NAMES if name not in COURSE.drafts()]
 
 each_lesson = pytest.mark.parametrize("name", NAMES)
 
@@ -53,6 +55,26 @@ def public_exercise(name, exercise):
 def graded(name, exercise):
     """What the public checks say of the solution."""
     return grade_public(public_exercise(name, exercise), reference(name)[exercise])
+
+
+@cache
+def waived(name):
+    """Return the rules that a lesson's plan waives, with their reasons."""
+    return COURSE.plan(name).waived
+
+
+@pytest.fixture(autouse=True)
+def waived_rules_are_skipped(request):
+    """Skip a rule, by the number in its test's name, for a lesson that waives it."""
+    name = request.node.callspec.params.get("name") if hasattr(request.node, "callspec") else None
+    if name and (reason := waiver(request.node.originalname, waived(name))):
+        pytest.skip(f"{name}: {reason}")
+
+
+def waiver(test, rules):
+    """Return why a test is skipped for a lesson that waives some rules; nothing if its rule is not one of them."""
+    rule = re.match(r"test_rubric_(\d+)_", test)
+    return f"rule {rule[1]} is waived, {rules[rule[1]]}" if rule and rule[1] in rules else ""
 
 
 @pytest.fixture(autouse=True)

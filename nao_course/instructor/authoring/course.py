@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -61,6 +62,14 @@ class Course:
                 f"there is no lesson {', '.join(map(_shown, missing))} in {self.solutions.name}/; {there}"
             )
         return [name for name in there if not wanted or any(name in names for names in meant.values())]
+
+    def drafts(self) -> list[str]:
+        """Return the names of lessons whose text contains a TODO: they are built and tested, but not released."""
+        return [
+            name
+            for name in self.names()
+            if re.search(r"\bTODO\b", self.text(name).read_text(encoding="utf-8"))
+        ]
 
     def text(self, name: str) -> Path:
         """Return the file of a lesson's text."""

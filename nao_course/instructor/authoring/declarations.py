@@ -19,6 +19,8 @@ from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, PublicE
 from nao_course.exercises.running import find_driver
 
 MOST_SECONDS = 60.0  # of one call: a submission has 120 s for everything
+# Rules of docs/write_a_lesson.md that a short lesson or a lab need not keep: all others protect students
+WAIVABLE = ("2", "3", "5", "6", "8", "11", "12", "15")
 _Rules = Mapping[str, tuple[Callable[[Any], bool], str]]
 
 
@@ -139,6 +141,10 @@ def declaration_problems(plan: LessonPlan) -> Iterator[str]:
         value = getattr(plan, field)
         if not _are(kind)(value):
             yield f"PLAN: {field} must be a list of {kind.__name__}, got {_shown(value)}"
+    if not _are_named_texts(plan.waived):
+        yield f'PLAN: waived must be a dict of reasons by rule, {{"3": "a lab"}}, got {_shown(plan.waived)}'
+    elif kept := sorted({*plan.waived} - {*WAIVABLE}):
+        yield f"PLAN: the rules {', '.join(kept)} cannot be waived; a plan may waive {', '.join(WAIVABLE)}"
     for exercise in _all_of(plan.exercises, Exercise):
         yield from _exercise_problems(exercise)
     for question in _all_of(plan.questions, Question):

@@ -53,7 +53,7 @@ def _{name}_hidden(rng: np.random.Generator) -> list[Case]:
 
 '''
 _SOLVED = '''def {name}(value: float) -> float:
-    """TODO: what it does.
+    """Return TODO: what it returns.
 
     value: TODO unit, shape, frame.
     Returns TODO. Example: {name}(2.0) is 4.0.
@@ -220,7 +220,7 @@ def test_twice_a_number_is_the_number_and_itself(solution, rng):
 PANEL_IMPORT = "from nao_course.widgets import FunctionPanel, Slider"
 PANEL = """\
 def show(values, student):
-    \"\"\"TODO: draw what the control does to what the student wrote.\"\"\"
+    \"\"\"Yield TODO: what the control changes in the result of the student's function.\"\"\"
     yield f"TODO: the answer to {{values.value:g}} is {{student.{first}(values.value):g}}"
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from nao_course.exercises import Case, Close, LessonPlan, Mistake, Points, Property, Question, Written
-from nao_course.instructor.authoring.declarations import declaration_problems
+from nao_course.instructor.authoring.declarations import WAIVABLE, declaration_problems
 from nao_course.instructor.authoring.plans import PlanError, load_plan
 
 QUESTION = Question("why", "Why?", {"a": "No.", "b": "Yes."}, "b")
@@ -86,12 +86,19 @@ def test_what_stands_inside_an_exercise_is_told_with_its_place(plan, change, mes
         ({"questions": [replace(QUESTION, right="c")]}, "why: its right answer is not one of its choices"),
         ({"questions": QUESTION}, "PLAN: questions must be a list of Question, got Question("),
         ({"written": [replace(WRITTEN, rubric="")]}, "say_why: rubric must be a text, got ''"),
+        ({"waived": ["3"]}, 'PLAN: waived must be a dict of reasons by rule, {"3": "a lab"}, got '),
+        ({"waived": {"3": ""}}, "PLAN: waived must be a dict of reasons by rule"),
+        ({"waived": {"3": "a lab", "9": "x", "16": "y"}}, "PLAN: the rules 16, 9 cannot be waived"),
         ({"written": [replace(WRITTEN, points=-2)]}, "say_why: points must be a number, 0 or more, got -2"),
     ],
 )
 def test_questions_are_looked_at_too(more, message):
     (problem,) = said(**more)
     assert problem.startswith(message)
+
+
+def test_a_short_lesson_waives_rules_about_its_size_and_parts_with_a_reason():
+    assert said(waived=dict.fromkeys(WAIVABLE, "a lab of half an hour")) == []
 
 
 def test_all_that_is_wrong_in_a_file_is_said_at_once_with_its_name(tmp_path, plan):

@@ -4,6 +4,7 @@ import inspect
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from importlib import resources
 from pathlib import Path
 
@@ -115,11 +116,12 @@ def forget_what_was_read():
 def judge(course, names):
     for name in names:
         rule = RULES[name]
-        if "exercise" in inspect.signature(rule).parameters:
-            for exercise in course.plan(NAME).exercises:
-                rule(NAME, exercise)
-        elif name not in OF_THE_COURSE:
-            rule(NAME)
+        with suppress(pytest.skip.Exception):  # a rule about a part that a new lesson has not
+            if "exercise" in inspect.signature(rule).parameters:
+                for exercise in course.plan(NAME).exercises:
+                    rule(NAME, exercise)
+            elif name not in OF_THE_COURSE:
+                rule(NAME)
 
 
 def ruff(root):
