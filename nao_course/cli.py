@@ -242,7 +242,10 @@ def build(
         def tell(lesson: str, step: str) -> None:
             progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
 
-        changes = build.build(course, wanted, texts=texts, execute=execute, prove=prove, tell=tell).write()
+        built = build.build(course, wanted, texts=texts, execute=execute, prove=prove, tell=tell)
+        changes = built.write()
+    for warning in built.warnings:
+        _say(f"warning: {warning}")
     for path in changes:
         _say(f"{'wrote' if path.exists() else 'deleted'} {path.as_posix()}")
     if not changes:

@@ -57,9 +57,9 @@ class Exercise:
     hints : (str, str)
         Hints, shown one after the other on demand.
     mistakes : sequence of Mistake
-        At least three mistakes.
+        At least three mistakes, unless the lesson waives rule 8; `nao-course build` warns if there are fewer.
     alternatives : mapping of str to callable
-        At least three right implementations of another form.
+        At least three right implementations of another form, as for mistakes.
     stars : int
         Difficulty, 1 to 3.
     uses : sequence of str
@@ -93,8 +93,8 @@ class Exercise:
     public: Callable[[], list[Case]]
     hidden: Callable[[np.random.Generator], list[Case]]
     hints: tuple[str, str]
-    mistakes: Sequence[Mistake]
-    alternatives: Mapping[str, Callable[..., Any]]
+    mistakes: Sequence[Mistake] = ()
+    alternatives: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     comparison: Comparison = field(default_factory=Close)
     stars: int = 1
     uses: Sequence[str] = ()

@@ -21,7 +21,7 @@ from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import CHECKS, Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
 from nao_course.instructor.authoring.plans import PlanError
-from nao_course.instructor.authoring.proving.plan_checks import use_problems
+from nao_course.instructor.authoring.proving.plan_checks import plan_warnings, use_problems
 from nao_course.instructor.authoring.proving.proofs import Proofs
 from nao_course.instructor.authoring.rounding.alike import same_but_for_rounding
 from nao_course.instructor.authoring.stamps import edited, stamp
@@ -43,11 +43,14 @@ class Built:
         Contents by the path under the course's root.
     stale : tuple of Path
         Generated files of lessons that no longer exist.
+    warnings : tuple of str
+        What an author may want to add to a declaration, one line each, with its file.
     """
 
     course: Course
     files: Mapping[Path, bytes]
     stale: tuple[Path, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def changes(self) -> list[Path]:
         """Return what differs from what is there by more than the rounding errors of another processor."""
@@ -149,7 +152,10 @@ def build(
             notebook.metadata.nao_course.update(kept)
             files[Path("solutions", f"{name}.ipynb")] = lesson_text.notebook_bytes(notebook)
             tell(name, "done")
-    return Built(course, files, () if wanted else _stale(course))
+    warnings = (
+        f"solutions/exercises/{name}.py: {each}" for name in names for each in plan_warnings(plans[name])
+    )
+    return Built(course, files, () if wanted else _stale(course), tuple(warnings))
 
 
 def _plans(course: Course) -> dict[str, LessonPlan]:

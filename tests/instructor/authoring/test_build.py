@@ -8,13 +8,14 @@ import nbformat
 import numpy as np
 import pytest
 
-from nao_course.exercises.checking import pack, unpack
+from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import build, lesson_text
 from nao_course.instructor.authoring.course import LessonError
 from nao_course.instructor.authoring.proving import proofs
 from nao_course.instructor.authoring.rounding.perturbation import perturbed
 from tests.instructor.authoring.conftest import PICTURE
+from tests.paths import PROJECT
 from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write
 
 
@@ -429,3 +430,39 @@ def test_what_is_used_has_to_be_there_before_and_declared(course, uses, message)
     result = run("build")
     assert result.exit_code == 1 and message in result.output
     assert not Path("notebooks").exists()
+
+
+# --- a minimum exercise ---
+
+
+@pytest.fixture
+def minimum(course):
+    """Return a course whose lesson is declared as in the docs: with cases and a comparison, and nothing else."""
+    docs = (PROJECT / "docs" / "write_an_exercise.md").read_text(encoding="utf-8")
+    section = docs.split("## A minimum exercise")[1]
+    course.declaration("01_toy").write_text(section.split("```python\n")[1].split("```")[0])
+    return course
+
+
+def test_the_docs_minimum_exercise_is_built_without_a_word(minimum):
+    result = run("build", "--no-execute")
+    assert result.exit_code == 0 and "warning" not in result.output, result.output
+    checks = unpack(minimum.check_data("01_toy").read_bytes())
+    double = checks.exercises[0]
+    assert (double.points, len(double.cases), double.mistakes) == (1, 2, [])
+    assert grade_public(double, lambda value: value * 2)
+    assert grade_public(double, abs).state == "wrong"
+
+
+def test_build_warns_of_few_mistakes_and_alternatives_and_builds(minimum):
+    plan = minimum.declaration("01_toy")
+    plan.write_text(re.sub(r", waived=\{.*?\}", "", plan.read_text()))
+    for _ in range(2):  # also where nothing has changed
+        result = run("build", "--no-execute")
+        assert result.exit_code == 0
+        assert (
+            "warning: solutions/exercises/01_toy.py: double: it has 0 mistakes and 0 alternatives"
+            in result.output
+        )
+    plan.write_text(plan.read_text().replace("points=1", "points=0"))
+    assert "warning" not in run("build", "--no-execute").output, "an exercise for practice"

@@ -86,7 +86,8 @@ def check_plan(
             slowest, together = _measured(exercise, function, [*public, *hidden[0]])
             seconds += together
             problems += _time_problems(exercise, slowest)
-            problems += _count_problems(exercise)
+            twice = _twice([each.name for each in exercise.mistakes])
+            problems += [f"{exercise.name}: two mistakes are called {each!r}" for each in twice]
             published.append(publish_exercise(exercise_number(lesson, number), exercise, function))
             problems += _exercise_problems(exercise, function, published[-1])
         except PlanError as error:
@@ -198,15 +199,19 @@ def _time_problems(exercise: Exercise, slowest: float) -> Iterator[str]:
         )
 
 
-def _count_problems(exercise: Exercise) -> Iterator[str]:
-    """Yield which mistakes and alternatives are missing or occur twice."""
-    name = exercise.name
-    if exercise.points > 0:
-        for kind, many in (("mistakes", exercise.mistakes), ("alternatives", exercise.alternatives)):
-            if len(many) < FEWEST:
-                yield f"{name}: it has {len(many)} {kind}; declare at least {FEWEST}"
-    for twice in _twice([each.name for each in exercise.mistakes]):
-        yield f"{name}: two mistakes are called {twice!r}"
+def plan_warnings(plan: LessonPlan) -> Iterator[str]:
+    """Yield which graded exercises have few mistakes or alternatives; nothing if the plan waives rule 8."""
+    for exercise in plan.exercises if "8" not in plan.waived else ():
+        few = [
+            f"{len(many)} {kind}"
+            for kind, many in (("mistakes", exercise.mistakes), ("alternatives", exercise.alternatives))
+            if exercise.points > 0 and len(many) < FEWEST
+        ]
+        if few:
+            yield (
+                f"{exercise.name}: it has {' and '.join(few)}; with {FEWEST} of each, checks name students' errors "
+                f'and accept other solutions. For a lesson without them, say LessonPlan(waived={{"8": "the reason"}})'
+            )
 
 
 def _exercise_problems(

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from nao_course.exercises import Between, Case, Close, Exact, LessonPlan, Methods, Mistake, Points, calls
+from nao_course.exercises.checking import grade_public
 from nao_course.instructor.authoring import plans
 from nao_course.instructor.authoring.plans import PlanError
 from nao_course.instructor.authoring.proving import plan_checks
-from nao_course.instructor.authoring.proving.plan_checks import check_plan
+from nao_course.instructor.authoring.proving.plan_checks import check_plan, plan_warnings
 
 
 def test_a_good_plan_is_accepted(plan, right):
@@ -32,8 +33,6 @@ def raises(rng):
     [
         ({"public": list}, "clamp: no public cases"),
         ({"hidden": lambda rng: []}, "clamp: no hidden cases"),
-        ({"mistakes": []}, "clamp: it has 0 mistakes; declare at least 3"),
-        ({"alternatives": {}}, "clamp: it has 0 alternatives; declare at least 3"),
         ({"alternatives": {"odd one": wrong}}, "clamp: alternative 'odd one' is not right"),
         (
             {"alternatives": {"odd one": lambda x, low, high: max(low, min(high, x)) + (low < 0)}},
@@ -126,14 +125,20 @@ def test_names_of_other_lessons_and_odd_questions_are_refused(plan, right):
 
 
 def test_all_that_is_wrong_is_said_at_once(plan, right):
-    broken = [replace(each, mistakes=[], alternatives={}) for each in plan.exercises]
+    broken = [replace(each, alternatives={"a": wrong, "b": wrong}) for each in plan.exercises]
     with pytest.raises(PlanError) as refusal:
         check_plan("90_toy", LessonPlan(broken), right)
     assert len(str(refusal.value).splitlines()) == 4
 
 
-def test_practice_needs_no_mistakes(plan, right):
-    check_plan("90_toy", LessonPlan([replace(plan["clamp"], points=0, mistakes=[], alternatives={})]), right)
+def test_an_exercise_needs_no_mistakes_but_build_warns_if_it_is_graded(plan, right):
+    bare = replace(plan["clamp"], mistakes=[], alternatives={})
+    (public,) = check_plan("90_toy", LessonPlan([bare]), right)
+    assert grade_public(public, right["clamp"]) and not grade_public(public, wrong)
+    (warning,) = plan_warnings(LessonPlan([bare, replace(bare, points=0)]))
+    assert warning.startswith("clamp: it has 0 mistakes and 0 alternatives; with 3 of each")
+    assert not list(plan_warnings(LessonPlan([bare], waived={"8": "a lab"})))
+    assert not list(plan_warnings(plan)) and len(plan.exercises) == 2
 
 
 def test_a_mistake_that_raises_as_students_do_is_fine(plan, right):
