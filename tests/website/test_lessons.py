@@ -2,12 +2,14 @@
 
 import json
 import re
+from dataclasses import replace
 
 import pytest
 
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_plan
 from tests.paths import PROJECT
+from website.guide import guide_with_facts, readme_with_minutes
 from website.lessons import read_lesson
 
 
@@ -49,6 +51,7 @@ LESSONS = {
     if path.stem not in load_course(PROJECT).drafts()
     for lesson in [read_lesson(path)]
 }
+README = (PROJECT / "README.md").read_text(encoding="utf-8")
 GUIDE = (PROJECT / "docs" / "teach_the_course.md").read_text(encoding="utf-8")
 
 
@@ -72,7 +75,29 @@ def test_the_guide_says_each_lessons_minutes_points_and_what_it_takes():
             each.takes,
         )
         for each in LESSONS.values()
-    ]
+    ], "run `python -m website.guide`"
+
+
+def test_the_command_writes_what_the_lessons_say_and_keeps_the_rest():
+    changed = re.sub(
+        r"^(\| \d+ \| \d\d [^|]*\|) \d+ \| [^|]* \| [^|]* \|", r"\1 1 | 2 (3) | 99 |", GUIDE, flags=re.M
+    )
+    changed = re.sub(r"^(\| [a-z ]+ \| \d\d, [^|]*\|) \d+ \| [^|]* \|", r"\1 7 | 98 |", changed, flags=re.M)
+    assert changed.count("| 2 (3) | 99 |") == len(LESSONS) and changed.count("| 7 | 98 |") == 3
+    assert guide_with_facts(changed, LESSONS.values()) == GUIDE
+    readme = re.sub(r"^(\| \[\d\d .* \|) \d+ \|$", r"\1 3 |", README, flags=re.M)
+    assert readme.count("| 3 |\n") == len(LESSONS)
+    assert readme_with_minutes(readme, LESSONS.values()) == README
+
+
+def test_a_new_lesson_gets_a_row_and_a_lesson_that_is_gone_loses_its_row():
+    first, second, *_ = LESSONS.values()
+    new = replace(second, name="40_more", title="More", points=2.5, written=0, takes=())
+    lines = guide_with_facts(GUIDE, [first, new]).splitlines()
+    start = next(number for number, line in enumerate(lines) if line.startswith("| week | lesson |"))
+    assert lines[start + 2].startswith("| 1 | 00 Meet the NAO | 75 |")
+    assert lines[start + 3] == f"| 2 | 40 More | {new.minutes} | 2.5 | - | TODO | TODO |"
+    assert lines[start + 4] == ""
 
 
 def test_a_shorter_course_says_how_long_it_is_and_what_is_lent_to_it():
