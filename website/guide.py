@@ -21,7 +21,7 @@ def guide_with_facts(guide: str, lessons: Iterable[Lesson]) -> str:
     Parameters
     ----------
     guide : str
-        Its text. Prerequisites and the last column stay; those of a new lesson are TODO.
+        Its text. Prerequisites and the last column stay; a new lesson has TODO there.
     lessons : iterable of Lesson
         The finished lessons in their order.
     """
@@ -74,7 +74,7 @@ def _with_rows(text: str, head: str, rows: Iterable[Sequence[str]]) -> str:
 
 
 def main() -> None:
-    """Rewrite both files and name those that have changed."""
+    """Rewrite both files, and print which of them has changed."""
     course = load_course(ROOT)
     drafts = course.drafts()
     lessons = [

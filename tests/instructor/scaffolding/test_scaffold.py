@@ -159,8 +159,8 @@ def test_a_new_lesson_keeps_every_rule_and_its_own_test_passes(new_lesson, kerne
     result = run("build")
     assert result.exit_code == 0, result.output
     judge(new_lesson, [name for name, rule in RULES.items() if not is_slow(rule)])
-    shutil.copy(PROJECT / "tests" / "paths.py", new_lesson.root / "tests")
-    shutil.copy(PROJECT / "tests" / "conftest.py", new_lesson.root / "tests")
+    for file in ("paths.py", "conftest.py", "order.py"):
+        shutil.copy(PROJECT / "tests" / file, new_lesson.root / "tests")
     shutil.copy(PROJECT / "pyproject.toml", new_lesson.root)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/lessons"]
     ran = subprocess.run(command, capture_output=True, text=True, cwd=new_lesson.root)
