@@ -98,14 +98,6 @@ def in_lessons(name: str, content: bytes) -> Files:
 
 
 COURSE = load_course(ROOT)
-FILMS = (
-    "07_ekf_slam",
-    "08_graph_slam",
-    "09_pose_graphs",
-    "11_slam_on_the_field",
-    "12_beyond",
-    "12_particles",
-)
 PICTURES: dict[str, Callable[[], Files]] = {
     "demo": drawn_demo,
     "effects": effects,

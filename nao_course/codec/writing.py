@@ -167,9 +167,8 @@ class _Writer:
             raise CodecError(f"a value larger than {self.limits.size} bytes")
 
 
-_OF_PLAIN: dict[
-    type, Callable[[_Writer, Any, int], Any]
-] = {  # made once: a short frame takes less time than these
+# Made once, because this takes longer than to write a short frame.
+_OF_PLAIN: dict[type, Callable[[_Writer, Any, int], Any]] = {
     type(None): lambda _, item, __: item,
     bool: lambda _, item, __: item,
     int: lambda writer, item, _: writer.whole(item),

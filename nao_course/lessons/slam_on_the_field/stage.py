@@ -8,7 +8,9 @@ import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.exercises.earlier import EarlierNotUsable
-from nao_course.field_slam.observation import POST_SIGMA, Observation, observation
+from nao_course.field_slam.compass import tilt_from_lines
+from nao_course.field_slam.lines import read_lines
+from nao_course.field_slam.observation import POST_SIGMA, Observation, observation, tilted
 from nao_course.geometry import pose_errors
 from nao_course.metrics import squared_distances
 from nao_course.sim import SimulatedNao, Truth
@@ -47,12 +49,25 @@ def _follow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
 
 
 def _seen(student: StudentCode, nao: SimulatedNao, frame: Frame) -> tuple[Observation, str]:
-    """Return a picture's measurements, and who made them: the student's function, or else the simulator."""
+    """Return a picture's measurements, and who made them: the student's function, or else the simulator.
+
+    The student's function gets the view with the body tilt that the library finds from the field lines, as in the demo.
+    One picture follows the other so closely that errors of the assumed view would add up.
+    """
     picture, by = frame.picture, "sense()"
     if "measure" in student:
+        tilt = tilt_from_lines(read_lines(picture.pixels, picture.view), picture.view)
+        level = tilted(picture.view, tilt.pitch, tilt.roll)
         try:
-            seen = _checked(student.measure(picture.pixels, picture.view))
-            return observation(seen, post_sigma=POST_SIGMA), "your measure"
+            seen = _checked(student.measure(picture.pixels, level))
+            sure = observation(
+                seen,
+                tilt.covariance[:2, :2],
+                direction=tilt.direction,
+                direction_sigma=tilt.direction_sigma,
+                post_sigma=POST_SIGMA,
+            )
+            return sure, "your measure"
         except EarlierNotUsable as lacking:  # `measure` is written, but a function that it calls is not
             student.running = ""
             by += f", for {str(lacking).rstrip('.')}"

@@ -47,6 +47,22 @@ def test_the_students_class_follows_and_the_board_says_error_and_nees():
     assert np.allclose(seen.estimate.pose.as_array(), (Truth(nao).odometry_start @ nao.odometry).as_array())
 
 
+def test_measure_gets_the_view_with_the_tilt_of_the_field_lines_and_the_filter_their_direction():
+    views = []
+
+    def measure(picture, view):
+        views.append(view)
+        return [Measurement(0.1, 1.5, "post")]
+
+    nao = SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=6)  # its body is tilted by 1.5 degrees
+    picture = nao.take_picture()
+    Pipeline([STAGE], {"EkfSlam": Commanded, "measure": measure}, nao).process(picture)
+    true = Truth(nao).picture.view.rotation
+    assumed, level = (np.linalg.norm(view.rotation - true) for view in (picture.view, views[0]))
+    assert level < assumed / 3
+    assert Commanded.last.direction_sigma < np.radians(2)
+
+
 def test_without_measure_the_simulator_measures():
     seen, _ = looked({"EkfSlam": Commanded})
     assert "by sense()" in seen.overlays["estimate"].text
