@@ -42,7 +42,7 @@ _MORE_KEY_WORDS = ", H looks ahead, C changes the camera, T shows three dimensio
 _VIEW_KEY_WORDS = ", V changes the view"
 _ITSELF_KEY_WORDS = ", G lets the robot go by itself"
 _MORE = "Settings and details"
-_KEY_HINT = "Keys: W A S D, I J K L"
+_KEY_HINT = "Keys: WASD, IJKL"
 
 _CSS = """
 .nao-cockpit { container-type: inline-size; width: 100%; max-width: 1000px; padding: 2px 4px; box-sizing: border-box; }
@@ -91,12 +91,12 @@ _CSS = """
 .nao-cockpit .nao-right .nao-map-legend canvas { transform: scale(0.85); margin: 0 -3px; }
 .nao-cockpit .nao-numbers { grid-area: numbers; margin: 0; }
 .nao-cockpit .nao-numbers .widget-html-content { display: flex; gap: 6px; }
-.nao-cockpit .nao-tile { flex: 1 1 0; min-width: 0; padding: 3px 6px; border-top: 3px solid #0b5fa5;
+.nao-cockpit .nao-tile { flex: 1 1 auto; min-width: 0; padding: 3px 6px; border-top: 3px solid #0b5fa5;
   border-radius: 4px; background: var(--jp-layout-color2, #eee); line-height: 16px; font-size: 12px; }
-.nao-cockpit .nao-tile:last-child { flex-grow: 1.5; }  /* its word is long */
 .nao-cockpit .nao-tile b { display: block; font-size: 18px; line-height: 24px; font-variant-numeric: tabular-nums;
   white-space: nowrap; letter-spacing: -0.3px; }
-.nao-cockpit .nao-tile small { display: block; font-size: 11px; line-height: 13px; min-height: 26px; }
+.nao-cockpit .nao-tile span { white-space: nowrap; }
+.nao-cockpit .nao-tile small { display: block; width: 0; min-width: 100%; font-size: 11px; line-height: 13px; min-height: 26px; }
 .nao-cockpit .nao-good { border-top-color: #1f9d61; }
 .nao-cockpit .nao-bad { border-top-color: #d9480f; }
 .nao-cockpit .nao-status { min-height: 22px; padding: 2px 8px; }
