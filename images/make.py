@@ -43,6 +43,13 @@ def corner_steps() -> Files:
     return {Path("images", "corner_steps.png"): drawing.image()}
 
 
+def screen(name: str) -> Files:
+    """The course in a browser."""
+    from images import screens
+
+    return {Path("images", f"{name}.webp"): getattr(screens, name)()}
+
+
 def effects() -> Files:
     """What each effect of the simulator's pictures does."""
     from images.effects import draw_effects
@@ -100,6 +107,8 @@ def in_lessons(name: str, content: bytes) -> Files:
 COURSE = load_course(ROOT)
 PICTURES: dict[str, Callable[[], Files]] = {
     "demo": drawn_demo,
+    "my_nao": lambda: screen("my_nao"),
+    "lesson": lambda: screen("lesson"),
     "effects": effects,
     "corner_steps": corner_steps,
     "09_intel": real_building,
