@@ -207,7 +207,7 @@ def read_film(source: str | Path) -> dict[str, Any]:
     path = Path(source)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise ValueError(f"{path.name} is not a film: it is not valid JSON ({error})") from None
     wrong = wrong_in_film(data)
     if wrong:

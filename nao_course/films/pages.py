@@ -34,8 +34,8 @@ def film_html(film: Mapping[str, Any], fallback: str = "") -> str:
     fallback : str
         HTML that is shown where scripts do not run, for example a picture.
     """
-    # A script's text ends at "</", whatever stands around it.
-    data = json.dumps(film, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/")
+    # A "<" in a script's text may end the script ("</script>") or keep it from ending ("<!--<script>").
+    data = json.dumps(film, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
     return f'<div class="nao-film-here"><script type="application/json">{data}</script>{fallback}</div>'
 
 

@@ -1,6 +1,7 @@
 """Films hold what was recorded within half a millimetre, and a broken file is refused with its place."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -135,9 +136,10 @@ def test_a_broken_file_is_refused_with_its_name_and_the_place(change, message, t
         films.read_film(path)
 
 
-def test_a_file_that_is_no_json_is_refused(tmp_path):
+@pytest.mark.parametrize("text", ["{", "", "[" * 100_000])
+def test_a_file_that_is_no_json_is_refused(text, tmp_path):
     path = tmp_path / "film.json"
-    path.write_text("{", encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(ValueError, match="film.json is not a film: it is not valid JSON"):
         films.read_film(path)
 
@@ -148,7 +150,8 @@ def test_a_saved_film_is_read_as_it_was_made(tmp_path):
     assert film.save(tmp_path / "again.json").read_bytes() == (tmp_path / "film.json").read_bytes()
 
 
-def test_a_caption_cannot_end_the_script_of_its_page():
-    data = films.Film("A", [], ["</script><b>bold"]).data()
-    page = films.film_page(data)
-    assert "</script><b>" not in page and r"<\/script><b>" in page
+@pytest.mark.parametrize("caption", ["</script><b>bold", "<!--<script>", "a < b"])
+def test_a_caption_can_neither_end_the_script_of_its_page_nor_keep_it_open(caption):
+    data = films.Film("A", [], [caption]).data()
+    (text,) = re.findall(r'<script type="application/json">(.*?)</script>', films.film_page(data), re.DOTALL)
+    assert "<" not in text and json.loads(text) == data
