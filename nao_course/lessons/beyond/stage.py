@@ -120,13 +120,14 @@ def _explore(student: StudentCode, nao: SimulatedNao) -> StageFunction:
         explorer.see(slam.state[:3], nao.head[0], walked)
         motion = explorer.next(slam)
         ends = exploring.cell_centres()[explorer.frontiers]
-        by_pictures = PICTURES in frame.results  # the map then shows lesson 11's estimate
+        # With it, the map shows lesson 11's estimate, which has other landmarks.
+        by_pictures = PICTURES in frame.results
+        own = f", {say_count(len(slam.known), 'landmark')} on the map, standard deviation {position_sigma(slam):.2f} m"
         return Overlay(
             result=motion,
             pixels=seen.pixels,
-            text=f"{explorer.part:.0%} seen, {say_count(len(slam.known), 'landmark')} on the map, "
-            f"standard deviation {position_sigma(slam):.2f} m; {explorer.why if motion else 'everything is seen'}"
-            + ("; the map shows the estimate of lesson 11" if by_pictures else ""),
+            text=f"{explorer.part:.0%} seen{'' if by_pictures else own}; "
+            + (explorer.why if motion else "everything is seen"),
             estimate=None if by_pictures else place_estimate(slam.estimate(kinds), nao.field.pose),
             motion=motion,
             cells=nao.field.pose.to_parent(ends) if len(ends) else ends,

@@ -96,7 +96,8 @@ _CSS = """
 .nao-cockpit .nao-tile b { display: block; font-size: 18px; line-height: 24px; font-variant-numeric: tabular-nums;
   white-space: nowrap; letter-spacing: -0.3px; }
 .nao-cockpit .nao-tile span { white-space: nowrap; }
-.nao-cockpit .nao-tile small { display: block; width: 0; min-width: 100%; font-size: 11px; line-height: 13px; min-height: 26px; }
+.nao-cockpit .nao-tile small { display: block; width: 0; min-width: 100%; font-size: 11px; line-height: 13px;
+  min-height: 26px; }
 .nao-cockpit .nao-good { border-top-color: #1f9d61; }
 .nao-cockpit .nao-bad { border-top-color: #d9480f; }
 .nao-cockpit .nao-status { min-height: 22px; padding: 2px 8px; }

@@ -139,8 +139,11 @@ class Screen:
         estimate = self.estimate()
         if estimate is None or not self._with_truth or cockpit.truth is None:
             return f"{said}."
-        error = accuracy(estimate, cockpit.truth.pose).error or 0.0
-        return f"{said}, {say_length(error)} off."
+        estimated, odometry = (
+            say_length(accuracy(each, cockpit.truth.pose).error or 0.0)
+            for each in (estimate, cockpit.odometry[-1])
+        )
+        return f"{said}, {estimated} off; odometry alone is {odometry} off."
 
     def summary(self) -> str:
         """Return the display's contents as text."""

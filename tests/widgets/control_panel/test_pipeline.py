@@ -395,7 +395,7 @@ def test_when_nothing_is_left_the_panel_says_what_is_complete_and_what_it_took()
     assert "nao-finish" not in status(panel)
     assert np.allclose(panel._screen.contents().cells, [(1.0, 2.0)])
     panel.explore(9)
-    assert "The whole field is seen: 0.2 m in 4 moves, &lt; 1 cm off." in status(panel)
+    assert "The whole field is seen: 0.2 m in 4 moves, &lt; 1 cm off; odometry alone is" in status(panel)
     assert "nao-finish" in status(panel)
     panel.show_truth = False
     assert "4 moves." in status(panel) and "off" not in status(panel)
