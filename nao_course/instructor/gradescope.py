@@ -17,6 +17,7 @@ from rich.console import Console
 
 from nao_course.homework import zipped
 from nao_course.instructor.authoring.course import Course, LessonError
+from nao_course.instructor.authoring.release import LIBRARY_KINDS, library_files
 from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.secret import keyed, load_secret
 from nao_course.instructor.autograding.session import open_session
@@ -34,7 +35,6 @@ _INSTRUCTOR = "nao_course/instructor"  # a distribution of its own
 _AS_THEY_ARE = ("course.toml", "pyproject.toml", f"{_INSTRUCTOR}/pyproject.toml", "LICENSE", LOCK)
 # Layers; each keeps the solution from being read
 _CLOSING = {"landlock", "mount namespace", "unprivileged user"}
-_KINDS = {".py", ".typed", ".bin"}
 _SETUP = f"""#!/usr/bin/env bash
 # Runs once, as root, when Gradescope builds the image: a Python that is new enough, and the libraries.
 set -euo pipefail
@@ -116,8 +116,7 @@ def contents(course: Course, lesson: str, secret: bytes) -> dict[str, bytes]:
     missing = [path.relative_to(course.root).as_posix() for path in wanted if not path.is_file()]
     if missing:
         raise LessonError(f"there is no {', '.join(missing)}: run `nao-course build` first")
-    library = (course.root / "nao_course").rglob("*")
-    wanted += [path for path in library if path.suffix in _KINDS and path.is_file()]
+    wanted += library_files(course.root, LIBRARY_KINDS | {".bin"})
     files = {path.relative_to(course.root).as_posix(): path.read_bytes() for path in wanted}
     files["setup.sh"] = _SETUP.encode()
     files["run_autograder"] = _RUN.replace("LESSON", lesson).encode()

@@ -33,7 +33,9 @@ def test_a_slider_is_dragged_and_labels_and_numbers_follow(lab, page):
 
 def test_a_pixel_is_clicked_and_added_and_the_arc_and_the_sliders_jump(lab, page):
     panel = FilterPage(lab, page, "pixel.ipynb")
-    panel.root.locator(".nao-pad-over").click(position={"x": 150, "y": 180})
+    pad = panel.root.locator(".nao-pad-over")
+    drawn = pad.bounding_box()
+    pad.click(position={"x": drawn["width"] * 150 / 320, "y": drawn["height"] * 180 / 240})
     wait_for(lambda: "hue 1" in panel.words(), "a pixel of grass", 10)
     circle = panel.root.locator("img").nth(3).get_attribute("src")
     panel.root.locator(".nao-do-to-yellow").click()
@@ -41,7 +43,6 @@ def test_a_pixel_is_clicked_and_added_and_the_arc_and_the_sliders_jump(lab, page
     wait_for(lambda: panel.root.locator("img").nth(3).get_attribute("src") != circle, "another circle", 10)
     screenshot(page, "filter_panel_pixel")
     before = panel.words()
-    pad = panel.root.locator(".nao-pad-over")
     pad.focus()
     page.keyboard.press("ArrowLeft")
     wait_for(lambda: panel.words() != before, "the pixel at its left", 10)

@@ -49,11 +49,11 @@ def page(lab, chromium):
 
 
 class Panel:
-    """The first panel of a page."""
+    """The first control panel of a page."""
 
     def __init__(self, page):
         self.page = page
-        self.root = page.locator(".nao-panel").first
+        self.root = page.locator(".nao-panel:has(.nao-image-bottom)").first
         self.root.wait_for(timeout=60_000)
         wait_for(lambda: self.loaded("bottom") and self.loaded("top"), "pictures", 20)
 

@@ -45,6 +45,12 @@ def test_the_zip_has_its_two_files_at_its_root_and_one_lesson(archive):
     assert not [
         name for name in names if re.search(r"tests/|\.git|__pycache__|01_hsl_filtering\.(py|md|ipynb)", name)
     ]
+    # Whatever the library reads when it is imported is in the zip: scripts and style sheets, too.
+    library = [
+        path for path in (PROJECT / "nao_course").rglob("*") if path.is_file() and path.suffix != ".md"
+    ]
+    wanted = {path.relative_to(PROJECT).as_posix() for path in library if "__pycache__" not in path.parts}
+    assert wanted - set(names) == set()
     modes = {
         name: packed.getinfo(name).external_attr >> 16 for name in ("setup.sh", "run_autograder", "secret")
     }
@@ -86,7 +92,9 @@ def test_what_its_script_installs_is_the_whole_library(archive, tmp_path):
         command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path / "dist")]
         subprocess.run(command, cwd=tmp_path / folder, check=True, capture_output=True)
     installed = {name for each in (tmp_path / "dist").iterdir() for name in zipfile.ZipFile(each).namelist()}
-    library = {name for name in packed.namelist() if re.match(r"nao_course/.*\.(py|bin)$", name)}
+    library = {
+        name for name in packed.namelist() if re.match(r"nao_course/.*\.(py|bin|js|json|css|npz|txt)$", name)
+    }
     assert len(library) > 100 and library - installed == set()
 
 

@@ -6,7 +6,7 @@ import ast
 import hashlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path, PurePosixPath
 
 from nao_course.exercises.checking import unpack
@@ -26,7 +26,7 @@ FOLDER = "nao-course"
 AS_THEY_ARE = ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock")
 README = "docs/for_students.md"
 # Kinds of the library's files; the checks' data is chosen by lesson
-_KINDS = {".css", ".js", ".json", ".npz", ".py", ".txt", ".typed"}
+LIBRARY_KINDS = {".css", ".js", ".json", ".npz", ".py", ".txt", ".typed"}
 ALL_LESSONS = "all lessons"  # reported instead of a single lesson's name
 
 
@@ -85,6 +85,13 @@ def nbgrader_config() -> str:
     )
 
 
+def library_files(root: Path, kinds: Collection[str]) -> list[Path]:
+    """List the library's files whose names have one of the given suffixes, sorted."""
+    return sorted(
+        path for path in (root / "nao_course").rglob("*") if path.suffix in kinds and path.is_file()
+    )
+
+
 def contents(course: Course, names: list[str]) -> dict[str, bytes]:
     """Gather a release's files by their path in it.
 
@@ -98,9 +105,9 @@ def contents(course: Course, names: list[str]) -> dict[str, bytes]:
     root = course.root
     files = {name: (root / name).read_bytes() for name in AS_THEY_ARE}
     files["README.md"] = (root / README).read_bytes()
-    for path in sorted((root / "nao_course").rglob("*")):
+    for path in library_files(root, LIBRARY_KINDS):
         inside = path.relative_to(root)
-        if path.suffix in _KINDS and path.is_file() and "instructor" not in inside.parts:
+        if "instructor" not in inside.parts:
             files[inside.as_posix()] = path.read_bytes()
     for name in names:
         checks, notebook = CHECKS / f"{name}.bin", NOTEBOOKS / f"{name}.ipynb"
