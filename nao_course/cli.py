@@ -25,6 +25,8 @@ from nao_course.student import notebooks, progress
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 new = typer.Typer(no_args_is_help=True, help="Create an exercise or a lesson (instructors).")
 # A student's copy lacks the instructor's package, so its help omits the instructor's commands.
+# More than processors, because a submission waits for the grader a part of its time
+DEFAULT_JOBS = (os.cpu_count() or 2) + 2
 _STUDENTS = find_spec("nao_course.instructor") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
@@ -302,7 +304,7 @@ def grade(
         [], help="Number of a lesson; by default all lessons that were handed in."
     ),
     # One more than there are processors, because a submission waits while its process starts and ends.
-    jobs: int = typer.Option((os.cpu_count() or 2) + 1, min=1, help="Submissions at a time."),
+    jobs: int = typer.Option(DEFAULT_JOBS, min=1, help="Submissions at a time."),
     require_sandbox: str = typer.Option("", metavar="LEVEL", help="Refuse to run below this level."),
 ) -> None:
     """Grade new and changed submissions (instructors). The status is 0 if each has a score or a reason."""
