@@ -260,8 +260,8 @@ def main() -> Result:
         "times nbgrader": times,
     }
     notes = (
-        f"With {DEFAULT_JOBS} jobs, the default, {times:.0f} times as fast as nbgrader; start, journal and feedback are "
-        "included.",
+        f"With {DEFAULT_JOBS} jobs, the default, {times:.0f} times as fast as nbgrader; start, journal and feedback "
+        "are included.",
     )
     return Result("grading", values, (Table(title, columns, tuple(rows)),), notes)
 

@@ -38,8 +38,8 @@ class Elements:
         Name of the answer, or of its part, in messages.
     shape : tuple of int
         Shape of the whole array.
-    row, column : ndarray or None
-        Index of each element in the last two axes, to be broadcast; None without such an axis.
+    rows, columns : ndarray or None
+        Index of each element in the last two axes, if it does not follow from the shape.
     width : int
         Number of columns. The numbers of a tuple or dataclass are columns.
     names : tuple of str
@@ -50,10 +50,24 @@ class Elements:
     have: Array
     where: str
     shape: tuple[int, ...]
-    row: Array | None = None
-    column: Array | None = None
+    rows: Array | None = None
+    columns: Array | None = None
     width: int = 1
     names: tuple[str, ...] = ()
+
+    @property
+    def row(self) -> Array | None:
+        """Index of each element in the last axis but one, to be broadcast; None without such an axis."""
+        if self.rows is None and len(self.shape) > 1:
+            return np.arange(self.shape[-2])[:, None]
+        return self.rows
+
+    @property
+    def column(self) -> Array | None:
+        """Index of each element in the last axis, to be broadcast; None without such an axis."""
+        if self.columns is None and self.shape:
+            return np.arange(self.shape[-1])
+        return self.columns
 
     def of_column(self, values: Numbers, name: str) -> Any:
         """Return one value for all elements, or each column's value; a tuple is repeated along the last axis.
@@ -65,11 +79,12 @@ class Elements:
         """
         if not isinstance(values, tuple):
             return values
-        if self.column is None or not values or self.width % len(values):
+        column = self.column
+        if column is None or not values or self.width % len(values):
             raise ValueError(
                 f"{name} has {len(values)} values; the last axis of {self.where} has {self.width}"
             )
-        return np.asarray(values)[self.column % len(values)]
+        return np.asarray(values)[column % len(values)]
 
     def counted(self, mask: Mask) -> npt.NDArray[np.bool_] | np.bool_:
         """Return which elements count, to be broadcast.
@@ -85,13 +100,10 @@ class Elements:
         if isinstance(mask, tuple):
             given = np.broadcast_to(np.asarray(mask, dtype=bool), self.shape)
             return given[self.row, self.column] if self.wanted.shape != self.shape else given
-        if self.row is None or self.column is None:
+        row, column = self.row, self.column
+        if row is None or column is None:
             return everywhere
-        sides = {
-            "upper": self.row <= self.column,
-            "lower": self.row >= self.column,
-            "diagonal": self.row == self.column,
-        }
+        sides = {"upper": row <= column, "lower": row >= column, "diagonal": row == column}
         if mask not in sides:
             raise ValueError(f"mask must be one of {list(sides)} or a tuple of True and False, got {mask!r}")
         return everywhere & sides[mask]
@@ -100,8 +112,8 @@ class Elements:
         """Return the index of an element in the whole array."""
         if self.wanted.shape == self.shape:
             return tuple(int(i) for i in index)
-        assert self.row is not None and self.column is not None  # element of a sparse matrix
-        return int(self.row[index[0]]), int(self.column[index[0]])
+        assert self.rows is not None and self.columns is not None  # element of a sparse matrix
+        return int(self.rows[index[0]]), int(self.columns[index[0]])
 
     def first(self, wrong: npt.NDArray[np.bool_]) -> tuple[tuple[int, ...], Any, str]:
         """Return index, value and name of the first selected element of the student's array."""
@@ -217,7 +229,9 @@ def _as_column(compare: Compare, column: int, width: int) -> Compare:
 
     def one(elements: Elements) -> Verdict:
         return compare(
-            Elements(elements.wanted, elements.have, elements.where, (), column=np.array(column), width=width)
+            Elements(
+                elements.wanted, elements.have, elements.where, (), columns=np.array(column), width=width
+            )
         )
 
     return one
@@ -241,9 +255,7 @@ def _elements(expected: Any, got: Any, where: str, names: tuple[str, ...]) -> El
 
 def _dense(wanted: Array, have: Array, where: str, names: tuple[str, ...]) -> Elements:
     shape = wanted.shape
-    row = np.arange(shape[-2])[:, None] if len(shape) > 1 else None
-    column = np.arange(shape[-1]) if shape else None
-    return Elements(wanted, have, where, shape, row, column, shape[-1] if shape else 1, names)
+    return Elements(wanted, have, where, shape, width=shape[-1] if shape else 1, names=names)
 
 
 def _stored(wanted: Any, have: Any, where: str, names: tuple[str, ...]) -> Elements:
