@@ -79,7 +79,7 @@ def _summed_up(journeys: list[Journey]) -> dict[str, Any]:
     """Return the estimated and true errors at the ends, m, and quartiles of the uncertainty during the drives."""
     return {
         "sigma": [round(float(each.sigmas[-1]), 4) for each in journeys],
-        "error": [round(each.error, 4) for each in journeys],
+        "error": [round(float(each.errors[-1]), 4) for each in journeys],
         "map": [round(each.map_error, 4) for each in journeys],
         "nees": [round(_nees(each), 2) for each in journeys],
         "sigmas": np.quantile([each.sigmas for each in journeys], (0.25, 0.5, 0.75), axis=0)
@@ -94,5 +94,6 @@ def _table_row(name: str, of: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _nees(each: Journey) -> float:
-    error = pose_errors(each.estimated[-1], each.truth[-1])
-    return float(squared_distances(error[None], each.covariance[None, :3, :3])[0])
+    last = each.estimates[-1]
+    error = pose_errors(last.pose.as_array(), each.truth[-1])
+    return float(squared_distances(error[None], last.covariance[None])[0])

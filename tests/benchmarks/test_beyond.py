@@ -55,7 +55,7 @@ def test_a_recorded_journey_is_what_the_solution_drives(own):
     end = journey(own["choose_move"], ekf, 3)
     of = recorded.read(recorded.MOVES)["variants"]["smallest variance"]
     assert end.sigmas[-1] == pytest.approx(of["sigma"][3], abs=1e-3)
-    assert end.error == pytest.approx(of["error"][3], abs=1e-3)
+    assert end.errors[-1] == pytest.approx(of["error"][3], abs=1e-3)
 
 
 def test_a_recorded_room_is_what_the_solution_explores(own):

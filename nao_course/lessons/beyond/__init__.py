@@ -13,7 +13,7 @@ _NAMES = {
         "draw_lost_filters",
         "journeys_table",
     ),
-    "panels": ("ExplorePanel", "TwoCamerasPanel"),
+    "panels": ("ExplorePanel", "MovesPanel", "TwoCamerasPanel"),
     "recorded": ("draw_coverage", "draw_fast_slam", "draw_moves", "draw_two_cameras"),
     "two_cameras": ("measure_again",),
 }

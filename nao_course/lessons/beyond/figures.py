@@ -30,7 +30,7 @@ from nao_course.plotting import (
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.style import GREY, style_of
 from nao_course.sim.drives import Step
-from nao_course.slam import Estimate, Motion, range_and_bearing
+from nao_course.slam import Motion, range_and_bearing
 
 Function = Callable[..., Any]
 LAP = Motion(0.2, 0.25)  # a circle of 0.8 m
@@ -210,9 +210,9 @@ def draw_journeys(
     for ax, (name, each) in zip(figure.subplots(1, 2, sharey=True), both.items(), strict=True):
         plot_field(FIELD, ax)
         plot_path(each.truth, ax)
-        plot_estimate(estimate_of(each), ax, "ekf")
-        for pose, covariance in zip(each.estimated[::4], each.covariances[::4], strict=True):
-            plot_ellipse(pose[:2], covariance[:2, :2], ax, "ekf")
+        plot_estimate(each.estimates[-1], ax, "ekf")
+        for estimate in each.estimates[::4]:
+            plot_ellipse((estimate.pose.x, estimate.pose.y), estimate.covariance[:2, :2], ax, "ekf")
         ax.set_title(f"{name}: standard deviation {100 * each.sigmas[-1]:.0f} cm", fontsize=11)
     figure.axes[1].set_ylabel("")
     legend_below(
@@ -223,24 +223,12 @@ def draw_journeys(
         ],
     )
     said = "; ".join(
-        f"with {name} the standard deviation is {each.sigmas[-1]:.2f} m at the end and the error {each.error:.2f} m"
+        f"with {name} the standard deviation is {each.sigmas[-1]:.2f} m at the end "
+        f"and the error {each.errors[-1]:.2f} m"
         for name, each in both.items()
     )
     return Drawing(
         figure, f"Two drives of {len(both['random moves'].truth) - 1} moves from the same place: {said}."
-    )
-
-
-def estimate_of(each: Journey) -> Estimate:
-    """Return the estimate at the end of a drive."""
-    k = len(each.known)
-    blocks = each.covariance[3:, 3:].reshape(k, 2, k, 2)
-    return Estimate(
-        Pose.from_array(each.state[:3]),
-        each.covariance[:3, :3],
-        np.column_stack([each.state[3::2], each.state[4::2]]),
-        np.einsum("iaib->iab", blocks),
-        tuple(KINDS[number] for number in each.known),
     )
 
 
@@ -295,7 +283,7 @@ def draw_blind_start(
     plot_field(FIELD, field)
     plot_landmarks(LANDMARKS, KINDS, field, GREY, size=5)
     plot_path(one.truth, field)
-    plot_estimate(estimate_of(one), field, "ekf")
+    plot_estimate(one.estimates[-1], field, "ekf")
     field.plot(*one.truth[0, :2], "o", color="white", mec=STYLES["truth"].colour, ms=9, zorder=6)
     legend_below(
         figure, [source_key("truth", "true path, from the white dot"), source_key("ekf", "estimate, 95 %")]
@@ -312,6 +300,6 @@ def journeys_table(choose_move: Function, ekf: Sequence[Function]) -> Table:
     rows = []
     for name, make in (("random", at_random), ("choose_move", lambda seed: choose_move)):
         ends = [journey(make(seed), ekf, seed) for seed in range(TRIED)]
-        sigma, error = np.median([(each.sigmas[-1], each.error) for each in ends], axis=0)
+        sigma, error = np.median([(each.sigmas[-1], each.errors[-1]) for each in ends], axis=0)
         rows.append((name, f"{sigma:.3f}", f"{error:.3f}"))
     return table(("moves", "standard deviation (m)", "error (m)"), rows)

@@ -1,4 +1,4 @@
-"""Panels of lesson 12: two cameras that measure a distance, and a robot that explores a room."""
+"""Panels of lesson 12: distances by two cameras, the exploration of a room, and a drive with chosen moves."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nao_course._internal.counts import say_count
-from nao_course.lessons.beyond import exploring
+from nao_course.geometry import Pose
+from nao_course.lessons.beyond import exploring, planning
 from nao_course.lessons.beyond.exploring import (
     Choose,
     Known,
@@ -22,12 +23,14 @@ from nao_course.lessons.beyond.exploring import (
     lawn_mower,
     nearest_frontier,
 )
+from nao_course.lessons.beyond.planning import journey
 from nao_course.lessons.beyond.two_cameras import Distances, measure_again
+from nao_course.lessons.beyond.worlds import FIELD, LANDMARKS
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import style_of
 from nao_course.sim import NAO_V4
-from nao_course.widgets import Choice, FunctionPanel, PlayerPanel, Slider
+from nao_course.widgets import Choice, FunctionPanel, PlayerPanel, Ray, Slider, Toggle, WorldPlayer, WorldView
 
 MEASUREMENTS = 120
 MOVES = 80
@@ -38,6 +41,13 @@ _STRATEGIES: Mapping[str, Callable[[Any, int], Choose]] = {
     "to the nearest frontier": lambda student, room: nearest_frontier(student.find_frontiers),
     "anywhere known": lambda student, room: anywhere_known(np.random.default_rng([room, 32])),
     "in lanes": lambda student, room: lawn_mower(),
+}
+
+_RULES: Mapping[str, Callable[[Any, int], planning.Choose]] = {
+    "your choice": lambda student, seed: student.choose_move,
+    "at random": lambda student, seed: planning.at_random(seed),
+    "in a circle": lambda student, seed: planning.in_a_circle,
+    "along the edge": lambda student, seed: planning.straight_on,
 }
 
 
@@ -189,6 +199,60 @@ class ExplorePanel(PlayerPanel):
         yield (
             f"After {int(values.move)} moves {known.part:.0%} of the visible area is known, "
             f"with {say_count(int(frontiers.sum()), 'frontier cell')}."
+        )
+
+
+class MovesPanel(WorldPlayer):
+    """A drive over the half field, move by move, whose moves are chosen by one of several rules.
+
+    Parameters
+    ----------
+    choose_move, predict, update_landmarks, add_landmark : callable
+        The student's functions of this lesson and of lesson 07.
+    """
+
+    def __init__(
+        self,
+        choose_move: Callable[..., Any],
+        predict: Callable[..., Any],
+        update_landmarks: Callable[..., Any],
+        add_landmark: Callable[..., Any],
+    ) -> None:
+        """Begin at the start of a drive with chosen moves."""
+        super().__init__(
+            "The drive in the room",
+            WorldView(FIELD),
+            self._show_move,
+            Slider("move", "Move", 0, planning.MOVES, 1, 0, tooltip="Number of moves"),
+            [
+                Slider("drive", "Drive", 0, 11, 1, 0, tooltip="Another start, other errors"),
+                Choice("rule", "Moves", tuple(_RULES), tooltip="How the next move is chosen"),
+                Toggle("behind", "Goal behind", tooltip="Start with the goal behind the robot"),
+            ],
+            speeds={"2 moves a second": 2.0},
+            student={
+                "choose_move": choose_move,
+                "predict": predict,
+                "update_landmarks": update_landmarks,
+                "add_landmark": add_landmark,
+            },
+            unfinished={"choose_move": "Finish exercise 12.7 to see your choice, or try the other rules."},
+        )
+
+    def _show_move(self, values: Any, student: Any) -> Iterator[str]:
+        """Show both robots after a move, with the rays to the landmarks that were measured."""
+        rule, number = _RULES[values.rule](student, int(values.drive)), int(values.move)
+        ekf = student.predict, student.update_landmarks, student.add_landmark
+        drive = journey(rule, ekf, int(values.drive), number, back=values.behind)
+        self.world.update(
+            Pose.from_array(drive.truth[-1]),
+            drive.estimates[-1],
+            rays=[Ray(tuple(LANDMARKS[each].tolist())) for each in drive.seen[-1]],
+            paths={"truth": drive.truth, "ekf": [each.pose for each in drive.estimates]},
+        )
+        yield (
+            f"After {say_count(number, 'move')}: standard deviation {100 * drive.sigmas[-1]:.0f} cm, "
+            f"off by {100 * drive.errors[-1]:.0f} cm, {say_count(len(drive.known), 'landmark')} on the map."
         )
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from nao_course.exercises import register
 from nao_course.field_slam.drives import room_ahead
 from nao_course.geometry import FloatArray, Pose
-from nao_course.lessons.beyond.worlds import AHEAD, LANDMARKS, ODOMETRY, SENSOR, drive
+from nao_course.lessons.beyond.worlds import AHEAD, KINDS, LANDMARKS, ODOMETRY, SENSOR, drive
 from nao_course.sim.drives import NamedEkf
-from nao_course.slam import Motion, range_and_bearing
+from nao_course.slam import Estimate, Motion, range_and_bearing
 
 Function = Callable[..., Any]
 MOVES, STEP = 20, 0.3  # m
@@ -94,39 +94,37 @@ class Journey:
 
     Parameters
     ----------
-    truth, estimated : ndarray, shape (S, 3)
-        True and estimated poses, field frame.
-    covariances : ndarray, shape (S, 3, 3)
-        Of the estimated poses, m^2 and rad^2.
-    state, covariance : ndarray
-        Estimate at the end.
+    truth : ndarray, shape (S, 3)
+        True poses, field frame.
+    estimates : tuple of Estimate
+        Estimate after each step.
+    seen : tuple of tuple of int
+        Landmarks that were measured in each step.
     known : tuple of int
-        Landmarks on the map, in its order.
+        Landmarks on the map at the end, in its order.
     """
 
     truth: FloatArray
-    estimated: FloatArray
-    covariances: FloatArray
-    state: FloatArray
-    covariance: FloatArray
+    estimates: tuple[Estimate, ...]
+    seen: tuple[tuple[int, ...], ...]
     known: tuple[int, ...]
 
     @property
     def sigmas(self) -> FloatArray:
         """Standard deviation of the position after each step (S,), m: the root of the sum of both variances."""
-        return np.sqrt(self.covariances[:, 0, 0] + self.covariances[:, 1, 1])
+        return np.array([np.sqrt(np.trace(each.covariance[:2, :2])) for each in self.estimates])
 
     @property
-    def error(self) -> float:
-        """Error of the last position, m."""
-        return float(np.hypot(*(self.truth[-1] - self.estimated[-1])[:2]))
+    def errors(self) -> FloatArray:
+        """Error of the position after each step (S,), m."""
+        estimated = np.array([each.pose.as_array() for each in self.estimates])
+        return np.hypot(*(self.truth - estimated)[:, :2].T)
 
     @property
     def map_error(self) -> float:
         """Median distance of the map's landmarks from the true ones, m."""
-        return float(
-            np.median(np.linalg.norm(self.state[3:].reshape(-1, 2) - LANDMARKS[list(self.known)], axis=1))
-        )
+        off = self.estimates[-1].landmarks - LANDMARKS[list(self.known)]
+        return float(np.median(np.linalg.norm(off, axis=1)))
 
 
 Choose = Callable[[FloatArray, FloatArray, Sequence[Option]], int]
@@ -174,12 +172,12 @@ def journey(
         slam.move(option.control, option.control_covariance)
         return Motion(*option.control.tolist())
 
-    rows = list[tuple[FloatArray, FloatArray, FloatArray]]()
+    rows = list[tuple[FloatArray, Estimate, tuple[int, ...]]]()
     for step in drive(start, command, moves, rng, AHEAD):
         slam.observe(step.numbers, step.measurements, step.covariances)
-        rows.append((step.pose, slam.state[:3], slam.covariance[:3, :3]))
-    truth, estimated, covariances = (np.array(each) for each in zip(*rows, strict=True))
-    return Journey(truth, estimated, covariances, slam.state, slam.covariance, tuple(slam.known))
+        rows.append((step.pose, slam.estimate(KINDS), tuple(int(number) for number in step.numbers)))
+    truth, estimates, seen = zip(*rows, strict=True)
+    return Journey(np.array(truth), estimates, seen, tuple(slam.known))
 
 
 # --- baselines ---

@@ -3,8 +3,9 @@
 import pytest
 
 from nao_course.instructor.authoring.plans import load_solution
-from nao_course.lessons.beyond import ExplorePanel, TwoCamerasPanel
+from nao_course.lessons.beyond import ExplorePanel, MovesPanel, TwoCamerasPanel, planning
 from nao_course.lessons.beyond.panels import MOVES
+from nao_course.lessons.beyond.worlds import LANDMARKS
 from tests.paths import SOLUTIONS
 
 
@@ -86,3 +87,34 @@ def test_nonsense_is_said_in_words(own):
     for nonsense in (None, 3, [[True]]):
         said = ExplorePanel(lambda grid, answer=nonsense: answer, own["travel_steps"]).summary()
         assert "find_frontiers" in said
+
+
+def test_a_drive_is_the_one_of_the_lessons_table_and_another_rule_drives_elsewhere(own, ekf):
+    panel = MovesPanel(own["choose_move"], *ekf)
+    panel.set(move=planning.MOVES, drive=3)
+    contents, drive = panel.world.contents, planning.journey(own["choose_move"], ekf, 3)
+    assert contents.truth.as_array() == pytest.approx(drive.truth[-1])
+    assert contents.estimate.pose == drive.estimates[-1].pose
+    assert (
+        f"deviation {100 * drive.sigmas[-1]:.0f} cm, off by {100 * drive.errors[-1]:.0f} cm"
+        in panel.summary()
+    )
+    assert len(contents.paths["truth"]) == len(contents.paths["ekf"]) == planning.MOVES + 1
+    places = {tuple(place) for place in LANDMARKS.round(9).tolist()}
+    ends = [tuple(round(value, 9) for value in ray.point[:2]) for ray in contents.rays]
+    assert len(ends) == len(drive.seen[-1]) and set(ends) <= places
+    panel.set(rule="along the edge")
+    assert contents.truth != panel.world.contents.truth
+    panel.set(move=0, behind=True)
+    assert "After 0 moves: standard deviation 0 cm" in panel.summary() and "0 landmarks" in panel.summary()
+
+
+def test_an_unfinished_choice_leaves_the_other_rules(ekf):
+    def unfinished(*arguments):
+        raise NotImplementedError
+
+    panel = MovesPanel(unfinished, *ekf)
+    panel.set(move=2)
+    assert "Finish exercise 12.7" in panel.summary()
+    panel.set(rule="in a circle")
+    assert "After 2 moves" in panel.summary()

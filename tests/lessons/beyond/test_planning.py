@@ -81,10 +81,12 @@ def test_an_option_of_other_shapes_is_refused(name, value):
 
 def test_a_journey_is_the_same_from_its_seed_and_its_map_holds_what_was_seen(ekf):
     one, again = (journey(at_random(3), ekf, 3, 6) for _ in range(2))
-    assert np.array_equal(one.truth, again.truth) and np.array_equal(one.covariance, again.covariance)
-    assert len(one.truth) == len(one.estimated) == len(one.sigmas) == 7
-    assert len(one.state) == 3 + 2 * len(one.known) and one.map_error < 0.5
-    assert one.error == pytest.approx(np.hypot(*(one.truth[-1] - one.estimated[-1])[:2]))
+    last = one.estimates[-1]
+    assert np.array_equal(one.truth, again.truth)
+    assert np.array_equal(last.covariance, again.estimates[-1].covariance)
+    assert len(one.truth) == len(one.estimates) == len(one.seen) == len(one.sigmas) == len(one.errors) == 7
+    assert len(last.landmarks) == len(one.known) == len(set().union(*one.seen)) and one.map_error < 0.5
+    assert one.errors[-1] == pytest.approx(np.hypot(*(one.truth[-1] - last.pose.as_array())[:2]))
     assert not np.array_equal(one.truth, journey(at_random(4), ekf, 4, 6).truth)
 
 
@@ -108,7 +110,7 @@ def test_a_choice_may_change_what_it_is_given_and_changes_nothing(ekf):
         return 0
 
     kept = journey(lambda state, covariance, offered: 0, ekf, 1, 4)
-    assert np.array_equal(journey(spoil, ekf, 1, 4).state, kept.state)
+    assert journey(spoil, ekf, 1, 4).estimates[-1].pose == kept.estimates[-1].pose
 
 
 def test_plans_that_know_nothing_turn_as_they_say():
