@@ -190,7 +190,7 @@ def test_a_particle_of_weight_one_in_n_is_lost_in_37_percent_of_all_draws():
 def test_two_or_three_of_two_thousand_particles_begin_near_the_truth():
     many = anywhere(400_000, np.random.default_rng(0))
     width, height, turn = np.ptp(many, axis=0)
-    assert f"{width:.1f} m by {height:.1f} m or {width * height:.0f} m²" in TEXT and turn > 6.28
+    assert f"{width:.1f} m by {height:.1f} m, or {width * height:.0f} m²" in TEXT and turn > 6.28
     near = (np.hypot(many[:, 0] - 1.4, many[:, 1] + 0.8) < 0.3) & (np.abs(many[:, 2]) < np.radians(10))
     assert 2 < 2000 * near.mean() < 3.5
 
