@@ -189,7 +189,6 @@ NAMES = {
 WHOLE_NAMES = {
     "about": "linearised_at",
     "apart": "decorrelated",
-    "careful": "pruning",
     "Rows": "LinearisedMeasurement",
     "WholePicture": "JointUpdate",
     "whole_picture": "joint_update",

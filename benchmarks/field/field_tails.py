@@ -1,9 +1,8 @@
 """Drives over the field under hard conditions: few pictures, false corners, and odometry that is worse than stated.
 
 ``python -m benchmarks field_tails`` uses the drives of ``field_slam``, whose table contains the results of the plain
-filter. "Pruning" removes landmarks that are not seen three times, and estimates the odometry's noise from the compass.
-It keeps false corners off the map, but loses more drives than the plain filter. "Surest first" sorts the pictures of a
-stop by the uncertainty of their compass. "Joint update" also uses lines and the centre circle.
+filter. "Surest first" sorts the pictures of a stop by the uncertainty of their compass. "Joint update" also uses lines
+and the centre circle. "Adaptive noise" is the joint update that estimates the odometry's noise from the compass.
 """
 
 from __future__ import annotations
@@ -17,13 +16,10 @@ import cv2
 from rich.progress import track
 
 from benchmarks import Result, Table
-from benchmarks.field.field_slam.algorithms import FILTER, Make, joint_update, surest_first
+from benchmarks.field.field_slam.algorithms import FILTER, Make, adaptive_update, joint_update, surest_first
 from benchmarks.field.field_slam.detections import detections, prepare
 from benchmarks.field.field_slam.report import FRESH, WHOLE, summary
 from benchmarks.field.field_slam.variants import Read, Score, run
-from nao_course.field_slam.pruning import PruningSlam
-from nao_course.geometry import Pose
-from nao_course.slam import SlamAlgorithm
 
 # For each name: factor of the odometry's true noise, pictures at each stop, and false corners in each picture.
 HARDSHIPS = {
@@ -34,15 +30,10 @@ HARDSHIPS = {
 }
 
 
-def pruning(start: Pose) -> SlamAlgorithm:
-    """Return lesson 11's filter with joint compatibility, wrapped in `PruningSlam`."""
-    return PruningSlam(FILTER(start))  # type: ignore[arg-type]
-
-
 ALGORITHMS: dict[str, Make] = {
-    "pruning": pruning,
     "surest first": surest_first(FILTER),
     "joint update": surest_first(joint_update),
+    "adaptive noise": surest_first(adaptive_update),
 }
 
 

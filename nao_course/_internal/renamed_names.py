@@ -12,8 +12,6 @@ RENAMED = {
     "FieldOdometry": "OdometryNoisePerMove",
     "whole_picture": "joint_update",
     "WholePicture": "JointUpdate",
-    ".careful": ".pruning",
-    "CarefulSlam": "PruningSlam",
     "lean_from_lines": "tilt_from_lines",
     ".about": ".linearised_at",
     ".apart": ".decorrelated",

@@ -2,11 +2,13 @@
 
 Each picture becomes an `Observation`: bearings and ranges of corners and posts (`lines`, `observation`), the body tilt
 and the heading from the field's lines (`compass`), and the centre circle (`circle`). `association` assigns measurements
-to landmarks. `joint_update` and `pruning` wrap a SLAM algorithm. `drives` and `walk` provide simulated and real
+to landmarks. `joint_update` and `surest_first` wrap a SLAM algorithm, and `adaptive_noise` estimates the noise of the
+odometry. `drives` and `walk` provide simulated and real
 pictures. `demo` runs everything together: the robot drives over the field and maps it (``nao-course demo``).
 """
 
 __all__ = [
+    "adaptive_noise",
     "association",
     "circle",
     "compass",
@@ -15,6 +17,6 @@ __all__ = [
     "joint_update",
     "lines",
     "observation",
-    "pruning",
+    "surest_first",
     "walk",
 ]

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import block_diag
 
+from nao_course.field_slam.adaptive_noise import AdaptiveOdometryNoise, OdometryModel
 from nao_course.field_slam.association import landmark_jacobian
 from nao_course.field_slam.circle import Circle, find_circle
 from nao_course.field_slam.compass import AGREES, BodyTilt, wrap_quarter
@@ -112,6 +113,7 @@ class JointFilter(Protocol):
     covariance: FloatArray
     kinds: list[LandmarkKind | Literal["internal"]]
     indices: npt.NDArray[np.int64]
+    odometry: OdometryModel
 
     def move(self, motion: Motion) -> None:
         """Predict the state after a motion."""
@@ -128,6 +130,14 @@ class JointFilter(Protocol):
     def estimate(self) -> Estimate:
         """Return the current estimate."""
         ...
+
+
+class _Move(NamedTuple):
+    """A motion, with the state and the covariance before it."""
+
+    motion: Motion
+    state: FloatArray
+    covariance: FloatArray
 
 
 class LinearisedMeasurement(NamedTuple):
@@ -162,22 +172,29 @@ class JointUpdate(SlamAlgorithm):
     ----------
     inner : JointFilter
         Filter that predicts, updates with the compass, and associates landmarks. Nobody else may use it.
+    factors : sequence of float
+        Candidates for the scale factor of the odometry's standard deviations, which is then estimated from the compass
+        readings (`AdaptiveOdometryNoise`). With (1.0,), the stated noise is used.
     """
 
-    def __init__(self, inner: JointFilter) -> None:
+    def __init__(self, inner: JointFilter, factors: Sequence[float] = (1.0,)) -> None:
         """Start with the state of the filter, and with no lines on the map."""
         self.inner = inner
+        self.odometry = inner.odometry = AdaptiveOdometryNoise(inner.odometry, factors)
+        self._last: _Move | None = None
         # By the number of a line's landmark: 0 if the line is x = c, 1 if it is y = c.
         self._axes: dict[int, int] = {}
         self._circle: int | None = None
 
     def move(self, motion: Motion) -> None:
         """Predict the state after a motion."""
+        self._last = _Move(motion, self.inner.state.copy(), self.inner.covariance.copy())
         self.inner.move(motion)
 
     def observe(self, measurements: Sequence[Measurement]) -> None:
         """Update with a picture."""
         seen = as_observation(measurements)
+        self._estimate_noise(seen)
         self.inner.use_compass(seen.direction, seen.direction_sigma)
         self.inner.number(seen)
         found = [self._landmarks(seen)]
@@ -198,6 +215,16 @@ class JointUpdate(SlamAlgorithm):
             landmark_covariances=np.asarray(found.landmark_covariances).reshape(-1, 2, 2)[kept],
             kinds=tuple(kind for kind in self.inner.kinds if kind != INTERNAL),
         )
+
+    def _estimate_noise(self, seen: Observation) -> None:
+        """Estimate the odometry's noise from the first compass reading after a motion, and repeat the prediction."""
+        last, self._last = self._last, None
+        if last is None or not np.isfinite(seen.direction_sigma):
+            return
+        innovation = float(wrap_quarter(-seen.direction - self.inner.state[2]))
+        self.odometry.learn(innovation, last.covariance[2, 2] + seen.direction_sigma**2, last.motion)
+        self.inner.state, self.inner.covariance = last.state, last.covariance
+        self.inner.move(last.motion)
 
     def _landmarks(self, seen: Observation) -> LinearisedMeasurement | None:
         """Linearise the bearings and ranges of the associated landmarks."""

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks import ROOT
+from nao_course.field_slam.adaptive_noise import FACTORS
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import wrap_quarter
 from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.observation import Observation
-from nao_course.field_slam.pruning import SurestFirst
+from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.geometry import FloatArray, Pose
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.slam import SlamAlgorithm
@@ -84,6 +85,11 @@ def surest_first(make: Make) -> Make:
 def joint_update(start: Pose) -> SlamAlgorithm:
     """Return the filter that also uses lines and the centre circle."""
     return JointUpdate(EKF(start, gate=GATE, association=associate_jointly))
+
+
+def adaptive_update(start: Pose) -> SlamAlgorithm:
+    """Return the joint update that also estimates the noise of the odometry."""
+    return JointUpdate(EKF(start, gate=GATE, association=associate_jointly), FACTORS)
 
 
 FILTER, GRAPH = jointly(), jointly(SOLUTION["GraphSlam"])

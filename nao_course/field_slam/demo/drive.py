@@ -18,7 +18,7 @@ from nao_course.field_slam.compass import tilt_from_lines
 from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field
 from nao_course.field_slam.lines import corners_of_lines, read_lines
 from nao_course.field_slam.observation import POST_SIGMA, Observation, observation, tilted
-from nao_course.field_slam.pruning import SurestFirst
+from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.field_slam.walk import Frame, real_walk
 from nao_course.geometry import Pose
 from nao_course.sim import CameraView, Field

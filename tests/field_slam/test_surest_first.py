@@ -1,4 +1,4 @@
-"""The pruning filter: the estimated noise of the odometry, and which landmarks are kept."""
+"""The order in which the pictures of a stop are used."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.observation import Observation
-from nao_course.field_slam.pruning import PATIENCE, SIGHTINGS, LearntOdometry, PruningSlam, SurestFirst
+from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.geometry import Pose
 from nao_course.slam import Estimate, Motion
 
@@ -51,71 +51,6 @@ class Scripted:
             own.reshape(-1, 2, 2),
             tuple(self.kinds),
         )
-
-
-@pytest.mark.parametrize("factor", [1.0, 2.0, 3.0])
-def test_the_factor_of_the_odometrys_noise_is_estimated_from_compass_readings(factor):
-    learnt, rng = LearntOdometry(OdometryNoisePerMove()), np.random.default_rng(3)
-    sigma = np.sqrt(factor**2 * OdometryNoisePerMove().covariance(TURN)[2, 2] + KNOWN)
-    for error in rng.normal(0, sigma, 60):
-        learnt.learn(error, KNOWN, TURN)
-    assert learnt.factor == pytest.approx(factor, rel=0.2)
-
-
-def test_a_few_wrong_compass_readings_do_not_change_the_factor():
-    learnt, rng = LearntOdometry(OdometryNoisePerMove()), np.random.default_rng(4)
-    sigma = np.sqrt(OdometryNoisePerMove().covariance(TURN)[2, 2] + KNOWN)
-    for error in [*rng.normal(0, sigma, 60), 0.6, -0.7]:
-        learnt.learn(error, KNOWN, TURN)
-    assert learnt.factor == pytest.approx(1.0, abs=0.2)
-
-
-def test_the_factor_scales_all_standard_deviations():
-    learnt = LearntOdometry(OdometryNoisePerMove(), (2.0,))
-    assert np.allclose(learnt.covariance(TURN), OdometryNoisePerMove(factor=2.0).covariance(TURN))
-
-
-def test_a_motion_is_predicted_once_with_the_noise_that_its_own_compass_reading_shows():
-    pruning = PruningSlam(Scripted())
-    before = pruning.odometry.factor
-    pruning.move(TURN)
-    pruning.observe(Observation((), NOTHING, direction=-0.5 - 0.4, direction_sigma=0.01))  # 23 degrees more
-    inner, after = pruning.inner, pruning.odometry.factor
-    assert after > before and np.allclose(inner.state, [0.2, 0, 0.5])
-    assert np.allclose(inner.covariance, after**2 * OdometryNoisePerMove().covariance(TURN))
-
-
-def test_a_landmark_that_is_not_seen_again_is_removed_and_the_others_stay():
-    script = [[0, 1, 2], [1, 2], [1, 2]]  # 0 is seen once
-    pruning = PruningSlam(Scripted(script))
-    for _ in range(PATIENCE):
-        pruning.observe([])
-    assert len(pruning.inner.kinds) == 3
-    pruning.observe([])
-    pruning.observe([])
-    inner = pruning.inner
-    assert len(inner.kinds) == 2 and np.allclose(inner.state[3:], [1, -1, 2, -2])
-    assert np.allclose(np.diag(inner.covariance)[3:], [2, 2, 3, 3]) and inner.covariance.shape == (7, 7)
-
-
-def test_a_landmark_is_in_the_estimate_once_it_was_seen_often_enough():
-    pruning = PruningSlam(Scripted([[0, 1]] + [[0]] * (SIGHTINGS - 1)))
-    counts = []
-    for _ in range(SIGHTINGS):
-        pruning.observe([])
-        counts.append(len(pruning.estimate().landmarks))
-    assert counts == [0] * (SIGHTINGS - 1) + [1]
-
-
-def test_without_pruning_and_learning_it_is_the_plain_filter():
-    script = [[0, 1], [], [2]] + [[]] * (PATIENCE + 2)
-    plain, pruning = Scripted(script), PruningSlam(Scripted(script), sightings=1, factors=(1.0,))
-    for _ in script:
-        for each in (plain, pruning):
-            each.move(TURN)
-            each.observe(Observation((), NOTHING, direction=0.1, direction_sigma=0.02))
-    for name in ("landmarks", "covariance", "landmark_covariances", "kinds"):
-        assert np.array_equal(getattr(plain.estimate(), name), getattr(pruning.estimate(), name))
 
 
 class Noted(Scripted):
