@@ -49,7 +49,9 @@ class Layer:
         Name by which a live map updates the layer.
     appearance : mapping of str to object
         Details for the script that draws it: marker, dash, width, size, side (m), fill, alpha, open, robot, trail,
-        keeps (all earlier frames stay visible), jumps (no movement between frames), texts, keys, always.
+        keeps (all earlier frames stay visible), jumps (no movement between frames), texts, keys, always, kinds (the
+        legend names each kind of landmark), lens (a lens enlarges the map around the first ellipse until it shows the
+        robots of all paths that are lensed).
     """
 
     kind: Kind

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from nao_course.plotting.style import (
     GREY,
     LANDMARK_MARKERS,
     LINE,
+    LINE_RIM,
     STYLES,
     YELLOW,
     Style,
@@ -57,14 +59,20 @@ def plot_field(field: Field, ax: Axes, landmarks: bool = False) -> None:
         patch.set(facecolor=colour, edgecolor="none", zorder=order, transform=frame)
         ax.add_patch(patch)
 
+    def add_line(patch: Patch) -> None:
+        rim = copy(patch)
+        add(patch, LINE, 0.2)
+        add(rim, LINE_RIM, 0.15)  # below all lines, so that it does not divide them where they meet
+        rim.set(edgecolor=LINE_RIM, linewidth=1.2)
+
     add(Rectangle((x0, y0), x1 - x0, y1 - y0), CARPET, 0.1)
     for strip in _strips(np.vstack([field.lines, field.mark_lines]), d.line_width):
-        add(strip, LINE, 0.2)
+        add_line(strip)
     for x, y, radius, first, last in field.arcs:
         ring = Wedge(
             (x, y), radius + d.line_width / 2, np.degrees(first), np.degrees(last), width=d.line_width
         )
-        add(ring, LINE, 0.2)
+        add_line(ring)
     goal = YELLOW if d.goal_colour == "yellow" else "#d9dde3"
     for bar in field.bars:
         ax.plot(bar[:, 0], bar[:, 1], color=goal, lw=3, transform=frame, zorder=0.3, solid_capstyle="butt")

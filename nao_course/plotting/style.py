@@ -50,6 +50,7 @@ STYLES: Mapping[Source, Style] = MappingProxyType(
 LANDMARK_MARKERS: Mapping[MarkKind, str] = MappingProxyType({"corner": "P", "post": "o", "cross": "x"})
 
 CARPET, LINE, YELLOW, GREY = "#b5d1ac", "#ffffff", "#f0c419", "#6b7280"
+LINE_RIM = "#44683c"  # around the lines of a field, which are dark where a dark page inverts a figure
 # Of maps on a dark page, and of maps without a field
 DARK_CARPET, DARK_LINE, PAPER, DARK_PAPER = "#24382b", "#bccabd", "#f1f3f1", "#1f2622"
 LABEL_COLOURS = ("#4b4b55", "#3f9b55", "#f2c413", "#ffffff")  # other, green, yellow, white

@@ -86,6 +86,8 @@ class FunctionPanel:
         Message for a function that raises NotImplementedError; a mapping has a message for each function.
     small : collection of str
         Titles of pictures that are shown among the controls, and smaller than the others.
+    drawn : collection of str
+        Titles of arrays that are drawings, such as matrices: a dark page inverts their lightness, and the legend's.
     seed : int
         Seed of ``values.rng``, which starts in the same state at each call.
     time_limit : float
@@ -119,6 +121,7 @@ class FunctionPanel:
         student: Mapping[str, Callable[..., Any]] | None = None,
         unfinished: str | Mapping[str, str] | None = None,
         small: Collection[str] = (),
+        drawn: Collection[str] = (),
         seed: int = 0,
         time_limit: float = TIME_LIMIT,
     ) -> None:
@@ -126,7 +129,7 @@ class FunctionPanel:
         check_controls(controls)
         self.title, self.time_limit, self.seed = title, time_limit, seed
         self._show, self._student, self._unfinished = show, StudentCode(student or {}), unfinished
-        self._small = small
+        self._small, self._drawn_titles = small, drawn
         self._controls = {each.name: each for each in controls}
         self._values = self._start()
         self._shown, self._latest = Shown({}, {}), Attempt[None]()
@@ -303,6 +306,7 @@ class FunctionPanel:
                 {title: pixels for title, pixels in shown.items() if (title in self._small) == is_small},
                 self._shown.drawings,
                 missing,
+                self._drawn_titles,
             )
         place_beside(self.widget, self._row.ratio)
         self._lay_pads(list(self._row.titles))
@@ -363,6 +367,7 @@ class FunctionPanel:
             else:
                 self._widgets[name].observe(partial(self._moved, control), "value")
         self._legend = html_line("", "nao-legend")
+        switch(self._legend, "nao-drawn-keys", bool(self._drawn_titles))
         self._table, self._status = html_line("", "nao-scores"), ipywidgets.HTML()
         sliders = [self._widgets[name] for name, each in self._controls.items() if _slides(each)]
         choices = box("H", "nao-choices", *self._small_controls(), *self._key_line())

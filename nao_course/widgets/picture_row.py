@@ -97,6 +97,7 @@ class PictureRow:
         pictures: Mapping[str, Any],
         figures: Mapping[str, Drawing] | None = None,
         missing: Container[str] = (),
+        drawn: Container[str] = (),
     ) -> None:
         """Show pictures under their titles.
 
@@ -108,6 +109,8 @@ class PictureRow:
             The figures among the pictures, by title.
         missing : container of str
             Titles of pictures that stand for others that could not be made.
+        drawn : container of str
+            Titles of pictures that are drawings, but no figures.
         """
         self.titles, figures = tuple(pictures), figures or {}
         self.ratio = sum(pixels.shape[1] / pixels.shape[0] for pixels in pictures.values())
@@ -116,7 +119,8 @@ class PictureRow:
             note = " (nothing yet)" if title in missing else ""
             alt = figures[title].alt if title in figures else f"{self._name}: {title.strip() or 'picture'}"
             place.fill(title, pixels, alt, note, is_figure=title in figures)
-            switch(place.image, "nao-drawn", title in figures and not figures[title].photo)
+            is_drawn = not figures[title].photo if title in figures else title in drawn
+            switch(place.image, "nao-drawn", is_drawn)
         columns = tuple(place.column for place in self.places[: len(pictures)])
         if self.widget.children != columns:
             self.widget.children = columns

@@ -24,6 +24,8 @@ for step in range(1, 20):
     live.update(MapContents({"truth": path[:step]}, observer="truth", cells=np.array([(1.0, 1.0)])))
 live.update(MapContents({"truth": path, "ekf": path}, estimate, [Measurement(0.1, 1.0)], "ekf", view=(0.0, 0.5),
                         cells=np.array([(1.0, 1.0)])))"""
+SURE = """estimate = Estimate(path[-1], np.eye(3) / 2000, [], [])
+live.update(MapContents({"truth": path, "ekf": path}, estimate, (), "ekf"))"""
 AGAIN = "live.widget"
 # The colour of a pixel of the map by its position on the field, mm
 COLOUR = """([number, x, y]) => {
@@ -31,6 +33,11 @@ COLOUR = """([number, x, y]) => {
   const own = canvas.getBoundingClientRect(), scale = (own.width - 34 - 14) / 4400;
   const at = [34 + (x + 700) * scale, 8 + (2700 - y) * scale].map(each => Math.round(each * ratio));
   return [...canvas.getContext('2d').getImageData(...at, 1, 1).data].slice(0, 3);
+}"""
+# The colour of a pixel of the lens below its centre, px; the ellipse's half axis of 5.5 cm is 32 px
+IN_THE_LENS = """below => {
+  const canvas = document.querySelector('.nao-map-lens canvas'), ratio = devicePixelRatio || 1;
+  return [...canvas.getContext('2d').getImageData(58 * ratio, (58 + below) * ratio, 1, 1).data].slice(0, 3);
 }"""
 
 
@@ -50,9 +57,24 @@ def test_a_live_map_shows_what_python_sends_on_every_page(lab, chromium):
             assert carpet == [0xB5, 0xD1, 0xAC]
             assert cell != carpet and post == [0x0B, 0x5F, 0xA5]  # a frontier, and a landmark of the estimate
         legend = page.locator(".nao-map-legend").last.inner_text()
-        for name in ("frontiers", "camera's view", "95 % ellipse", "truth", "your EKF"):
+        for name in (
+            "frontiers",
+            "camera's view",
+            "95 % ellipse",
+            "truth",
+            "your EKF",
+            "true lines and posts",
+        ):
             assert name in legend
+        assert "estimated goal posts" in legend and "corners" not in legend  # the map has one post
+        assert page.locator(".nao-map-lens:visible").count() == 0  # the ellipse is large enough without
         assert "truth: (1.45, 0.00) m" in page.locator(".nao-map-canvas").last.get_attribute("aria-label")
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         page.screenshot(path=SCREENSHOTS / "live_map.png")
+        lab.write("sure.ipynb", MAKE, DRIVE, SURE)
+        lab.open(page, "sure.ipynb")
+        lab.run_all(page)
+        page.locator(".nao-map-lens").wait_for(timeout=60_000)
+        assert page.locator(".nao-map-lens").inner_text() == "10 cm around the estimate, enlarged"
+        assert page.evaluate(IN_THE_LENS, 25) != [0xB5, 0xD1, 0xAC] == page.evaluate(IN_THE_LENS, 45)
     assert lab.our_errors() == []

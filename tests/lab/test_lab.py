@@ -14,6 +14,7 @@ import pytest
 from nbclient import NotebookClient
 
 from nao_course import lab
+from tests.paths import PROJECT
 
 PACKAGE = Path(lab.__file__).parents[1]
 STYLES = (PACKAGE / "lab" / "custom" / "custom.css").read_text()
@@ -83,3 +84,12 @@ def test_a_kernel_explains_an_unknown_name_before_any_cell_has_run(monkeypatch):
     shown = json.dumps(notebook.cells[0].outputs)
     assert "did the cells above run" in shown.lower() or "is not defined" in shown
     assert "Traceback" not in shown
+
+
+@pytest.mark.parametrize("name", ["01_hsl_filtering", "02_goalposts", "03_hough_corners", "04_distance"])
+def test_the_photographs_at_the_top_of_a_lesson_keep_their_colours(name):
+    """The style sheet has the clip paths that the same figures have at the lessons' ends."""
+    cells = nbformat.read(PROJECT / "solutions" / f"{name}.ipynb", as_version=4).cells
+    (payoff,) = (str(each.outputs) for each in cells if "check.payoff(" in each.source)
+    (path,) = re.findall(r"clip-path: polygon\(evenodd, [\d.,% ]+\)", payoff)
+    assert f'"{name[:2]}_payoff.jpeg"])::after {{ {path}; }}' in STYLES

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from nao_course.geometry import Pose
 from nao_course.plotting import STYLES, draw_map, plot_estimate, plot_field, plot_landmarks, plot_path
+from nao_course.plotting.style import CARPET, contrast
 from nao_course.sim import Field
 from nao_course.slam import Estimate, Measurement
 from tests.plotting.examples import a_map, some_estimate
@@ -20,6 +22,21 @@ def test_a_moved_field_is_drawn_where_it_lies():
     plot_field(Field(pose=Pose(10.0, 5.0, np.pi / 2)), ax)
     assert np.allclose(ax.get_xlim(), (10 - 2.7, 10 + 2.7))
     assert np.allclose(ax.get_ylim(), (5 - 0.7, 5 + 3.7))
+
+
+def inverted(colour):
+    """A colour after custom.css's invert(0.93) hue-rotate(180deg)."""
+    turn = np.array([[-0.574, 1.43, 0.144], [0.426, 0.43, 0.144], [0.426, 1.43, -0.856]])
+    return to_hex(np.clip(turn @ (0.93 - 0.86 * np.array(to_rgb(colour))), 0, 1))
+
+
+def test_the_lines_of_a_field_are_readable_on_light_and_on_inverted_maps():
+    ax = Figure().add_subplot()
+    plot_field(Field(), ax)
+    rims = {to_hex(each.get_edgecolor()) for each in ax.patches if each.get_linewidth() == 1.2}
+    assert len(rims) == 1
+    for shown in (str, inverted):
+        assert contrast(shown(*rims), shown(CARPET)) > 3
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7, np.pi / 2, -2.0])

@@ -431,3 +431,16 @@ def test_the_still_picture_of_a_panel_keeps_photographs_on_a_dark_page_and_inver
     (kept,) = still._in_true_colours()
     photo, drawn = still.figure.axes
     assert np.allclose(kept.extents, photo.bbox.extents) and not np.allclose(kept.extents, drawn.bbox.extents)
+
+
+@pytest.mark.parametrize(("drawn", "expected"), [(("matrix",), True), ((), False)])
+def test_a_drawn_array_and_its_legend_follow_a_dark_page(drawn, expected):
+    panel = FunctionPanel("Signs", _signs, [Slider("size", "Size", 1, 9, 1, 3)], drawn=drawn)
+    image = panel._row.places[0].image
+    assert ("nao-drawn" in image._dom_classes) is expected
+    assert ("nao-drawn-keys" in panel._legend._dom_classes) is expected
+
+
+def _signs(values, student):
+    yield {"matrix": np.full((values.size, values.size, 3), 255, np.uint8)}
+    yield Legend({"positive": "#2c6e8f"})

@@ -4,6 +4,7 @@ const NaoMap = (() => {
   const WIDTHS = { path: 3, ellipses: 5, landmarks: 3, points: 2, curve: 2, lines: 4, cells: 2, cone: 5 };
   const ANGLES = { path: [2], cone: [2] };
   const TURN = 2000 * Math.PI;
+  const LENS = 58, REACHES = [50, 100, 200, 500, 1000], ENLARGES = 1.5; // px, mm around the robot, least magnification
   const LINE = 1.8, ROBOT = 5.5, LANDMARK = 4.5, MARGIN = { left: 34, right: 14, top: 8, bottom: 22 };
 
   // --- numbers between two frames ---
@@ -196,24 +197,23 @@ const NaoMap = (() => {
     c.restore();
   };
 
-  const drawAxes = (c, view, tone, width, height) => {
+  const drawAxes = (c, view, tone) => {
     const [x0, y0, x1, y1] = view.bounds, most = Math.max(x1 - x0, y1 - y0) / 1000;
     const step = 1000 * (most > 24 ? 5 : most > 12 ? 2 : most > 3 ? 1 : 0.5);
     c.fillStyle = c.strokeStyle = tone.text; c.font = "11px system-ui, sans-serif"; c.lineWidth = 1;
     c.textAlign = "center"; c.textBaseline = "top";
+    const named = (at, most) => `${at / 1000}${at + step > most ? " m" : ""}`; // the last tick has the unit
     const tick = (u, v, du, dv) => { c.beginPath(); c.moveTo(u, v); c.lineTo(u + du, v + dv); c.stroke(); };
     const bottom = view.y(y0), left = view.x(x0);
-    for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) { tick(view.x(x), bottom, 0, 4); c.fillText(`${x / 1000}`, view.x(x), bottom + 6); }
+    for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) { tick(view.x(x), bottom, 0, 4); c.fillText(named(x, x1), view.x(x), bottom + 6); }
     c.textAlign = "right"; c.textBaseline = "middle";
-    for (let y = Math.ceil(y0 / step) * step; y <= y1; y += step) { tick(left, view.y(y), -4, 0); c.fillText(`${y / 1000}`, left - 6, view.y(y)); }
-    c.textBaseline = "top";
-    c.fillText("m", width - 1, bottom + 6);
+    for (let y = Math.ceil(y0 / step) * step; y <= y1; y += step) { tick(left, view.y(y), -4, 0); c.fillText(named(y, y1), left - 6, view.y(y)); }
   };
 
   // --- the legend ---
 
   const SAMPLES = { path: [0, 0, 1200], cone: [0, 0, 0, 400, 900], cells: [0, 0], ellipses: [0, 0, 450, 0, 260] };
-  const key = (layer, scene, tone) => {
+  const key = (layer, tone) => {
     const canvas = document.createElement("canvas"), ratio = devicePixelRatio || 1, width = 34, height = 18;
     canvas.width = width * ratio; canvas.height = height * ratio;
     canvas.style.cssText = `width: ${width}px; height: ${height}px; border-radius: 3px; background: ${tone.paper}`;
@@ -221,7 +221,11 @@ const NaoMap = (() => {
     const c = canvas.getContext("2d");
     c.scale(ratio, ratio);
     const view = { x: u => width / 2 + u * 0.025, y: v => height / 2 - v * 0.025, scale: 0.025 };
-    if (layer.kind === "path") {
+    if (layer.posts) {
+      c.strokeStyle = tone.of(layer);
+      polyline(c, view, [-600, 0, 600, 0], 3, 2);
+      marker(c, "o", width / 2, height / 2, 3, layer.posts.colour, layer.posts.rim);
+    } else if (layer.kind === "path") {
       c.setLineDash((layer.dash || []).map(each => each * LINE)); c.strokeStyle = tone.of(layer);
       polyline(c, view, [-600, 0, 600, 0], LINE, 2);
       if (layer.robot !== false) marker(c, layer.marker, width / 2, height / 2, 4, tone.of(layer), tone.rim);
@@ -250,7 +254,13 @@ const NaoMap = (() => {
       this.canvas.setAttribute("aria-label", alt);
       this.legend = document.createElement("div");
       this.legend.className = "nao-map-legend";
-      root.append(this.canvas, this.legend);
+      this.lens = document.createElement("figure");
+      this.lens.className = "nao-map-lens";
+      this.lens.append(document.createElement("canvas"), document.createElement("figcaption"));
+      const side = document.createElement("div");
+      side.className = "nao-map-side";
+      side.append(this.legend, this.lens);
+      root.append(this.canvas, side);
       this.sizes = new ResizeObserver(() => this.draw());
       this.sizes.observe(root);
       this.stopTheme = onTheme(root, () => { this.keys = ""; this.draw(); this.onTheme?.(); });
@@ -280,24 +290,59 @@ const NaoMap = (() => {
       c.save();
       c.beginPath(); c.rect(left, top, own - left - right, height - top - bottom); c.clip();
       c.fillStyle = tone.paper; c.fillRect(0, 0, own, height);
+      this.drawContents(c, view, tone);
+      c.restore();
+      drawAxes(c, view, tone);
+      this.drawLens(tone, scale);
+      this.drawLegend(tone);
+    }
+    drawContents(c, view, tone) {
       if (this.scene.field) drawField(c, view, this.scene.field, tone);
       this.scene.layers.forEach((layer, i) => {
         const value = this.values[i];
         if (!value) return;
         c.save(); DRAW[layer.kind](c, view, layer, value, tone); c.restore();
       });
-      c.restore();
-      drawAxes(c, view, tone, own, height);
-      this.drawLegend(tone);
+    }
+    // The surroundings of the robot, enlarged until its ellipse and the other robots' positions can be compared.
+    drawLens(tone, scale) {
+      const i = this.scene.layers.findIndex(each => each.lens), [x, y, a, b, d] = this.values[i] ?? [];
+      const others = this.scene.layers.flatMap((each, j) => each.lensed && this.isShown(j) ? [this.values[j].poses.slice(-3)] : []);
+      const needs = Math.max(1.1 * Math.hypot(a, b, d), ...others.map(([u, v]) => 1.3 * Math.hypot(u - x, v - y)));
+      const reach = REACHES.find(each => each >= needs);
+      this.lens.hidden = !reach || LENS / reach < ENLARGES * scale;
+      if (this.lens.hidden) return;
+      const [canvas, caption] = this.lens.children, ratio = devicePixelRatio || 1, size = 2 * LENS;
+      canvas.width = canvas.height = size * ratio; // also clears it
+      canvas.style.width = canvas.style.height = `${size}px`;
+      const c = canvas.getContext("2d"), near = LENS / reach;
+      c.scale(ratio, ratio);
+      c.beginPath(); c.arc(LENS, LENS, LENS - 1, 0, 2 * Math.PI); c.clip();
+      c.fillStyle = tone.paper; c.fillRect(0, 0, size, size);
+      this.drawContents(c, { scale: near, x: u => LENS + (u - x) * near, y: v => LENS - (v - y) * near }, tone);
+      c.beginPath(); c.arc(LENS, LENS, LENS - 1, 0, 2 * Math.PI);
+      c.lineWidth = 2; c.strokeStyle = tone.text; c.stroke();
+      const words = `${reach / 10} cm around the estimate, enlarged`;
+      if (caption.textContent !== words) caption.textContent = words;
+    }
+    legendEntries() {
+      const { field, layers } = this.scene, shown = layers.flatMap((layer, i) => {
+        if (!layer.label || !(layer.always || this.isShown(i))) return [];
+        if (!layer.kinds) return [layer];
+        const kinds = new Set(this.values[i].filter((_, j) => j % 3 === 2));
+        return [...kinds].sort().map(kind => ({ ...layer, label: `${layer.label} ${layer.kinds[kind]}`, keys: [kind] }));
+      });
+      const drawnTwice = field?.label && shown.some(each => each.kinds);
+      return drawnTwice ? [{ ...field.line, label: field.label, posts: field.goal }, ...shown] : shown;
     }
     drawLegend(tone) {
-      const shown = this.scene.layers.filter((layer, i) => layer.label && (layer.always || this.isShown(i)));
+      const shown = this.legendEntries();
       const names = shown.map(each => each.label).join("|") + tone.dark;
       if (names === this.keys) return;
       this.keys = names;
       this.legend.replaceChildren(...shown.map(layer => {
         const entry = document.createElement("span");
-        entry.append(key(layer, this.scene, tone), layer.label);
+        entry.append(key(layer, tone), layer.label);
         return entry;
       }));
     }

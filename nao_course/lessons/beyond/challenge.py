@@ -30,7 +30,6 @@ X0, Y0, X1, Y1 = FIELD.carpet  # m
 MARGIN, APART = 0.3, 0.5  # m: from a landmark to the edge of the carpet, and to the next landmark
 AREA = (X1 - X0) * (Y1 - Y0)  # m^2: where an unseen landmark may be
 LEAST = 1e-6  # m^2: no landmark has a standard deviation below 1 mm
-BORDER = 0.5  # m: around the carpet in the figure
 FIRST_SEED = 12_000
 _MOVE, _MEASURE = 0, 1  # random streams: the errors of moves and of measurements are independent
 
@@ -228,7 +227,6 @@ def _plot_map(ax: Axes, kept: Any) -> None:
     """Plot the true landmarks, and a map: means, ellipses and a line from each mean to its true landmark."""
     case, numbers, places, covariance = kept
     plot_field(FIELD, ax)
-    ax.set(xlim=(X0 - BORDER, X1 + BORDER), ylim=(Y0 - BORDER, Y1 + BORDER))
     plot_landmarks(case.landmarks[numbers], ["post"] * len(numbers), ax, GREY, size=7)
     missing = np.delete(case.landmarks, numbers, axis=0)
     ax.plot(*missing.T, "o", mfc="white", mec=GREY, mew=1.3, ms=6, ls="", zorder=5)

@@ -98,6 +98,7 @@ class GraphPanel(PlayerPanel):
                 ),
             ],
             speeds={"5 a second": 5.0},
+            drawn=("Your Omega",),
             backwards=False,
             student={
                 "add_initial_position": add_initial_position,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,6 +19,11 @@ LEAST_LENGTH = 0.005  # m: a shorter one is shown as "< 1 cm"
 _CIRCLE = float(-2 * np.log(1 - PROBABILITY))  # squared radius of a standard normal's circle, two dimensions
 
 Verdict = Literal["", "consistent", "overconfident", "underconfident"]
+_SIZES: Mapping[str, str] = {
+    "consistent": "as large as",
+    "overconfident": "larger than",
+    "underconfident": "smaller than",
+}
 
 
 @dataclass(frozen=True)
@@ -129,9 +135,14 @@ def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
     else:
         uncertain = (f"± {say_length(shown.radius)}".replace("± <", "<"), "half axis, 95 % ellipse")
     why = hidden if shown.error is None else "nothing to compare yet"
+    title = ""
     if shown.nees is not None:
         low, high = shown.bounds
-        why = f"NEES {_digits(shown.nees)}; 95 %: {low:.1f} to {high:.1f}"
+        why = f"error {_SIZES[shown.verdict]} the ellipse says; NEES {_digits(shown.nees)}"
+        title = (
+            f"NEES, the normalised estimation error squared, measures the error in units of the estimated covariance. "
+            f"Here 95 % of consistent estimates have a NEES from {low:.1f} to {high:.1f}."
+        )
     elif shown.verdict:
         why = "is off, but claims to be exact"
     fits = (shown.verdict or "–", why)
@@ -139,7 +150,7 @@ def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
     return (
         _tile("How far off?", *off)
         + _tile("How uncertain?", *uncertain)
-        + _tile("Does it fit?", *fits, kind=good)
+        + _tile("Consistent?", *fits, kind=good, title=title)
     )
 
 
@@ -147,8 +158,8 @@ def _digits(value: float) -> str:
     return f"{value:.1f}" if value < 100 else f"{value:.3g}" if value < 1000 else "over 1000"
 
 
-def _tile(question: str, answer: str, more: str, kind: str = "") -> str:
+def _tile(question: str, answer: str, more: str, kind: str = "", title: str = "") -> str:
     return (
-        f'<div class="nao-tile{kind}"><span>{question}</span><b>{html.escape(answer)}</b>'
+        f'<div class="nao-tile{kind}" title="{html.escape(title)}"><span>{question}</span><b>{html.escape(answer)}</b>'
         f"<small>{html.escape(more)}</small></div>"
     )

@@ -86,7 +86,7 @@ _CSS = """
 .nao-cockpit .nao-settings .widget-label { min-width: 54px; width: 54px; }
 .nao-cockpit .nao-ready { margin: 0; overflow: visible; }
 .nao-cockpit .nao-ready .widget-html-content { min-width: 0; line-height: 18px; font-size: 12px; }
-.nao-cockpit .nao-ready p { margin: 0; white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+.nao-cockpit .nao-ready p { margin: 0; white-space: normal; }
 .nao-cockpit .nao-right .nao-map-legend { gap: 0 10px; padding: 2px 0; font-size: 11px; line-height: 16px; }
 .nao-cockpit .nao-right .nao-map-legend canvas { transform: scale(0.85); margin: 0 -3px; }
 .nao-cockpit .nao-numbers { grid-area: numbers; margin: 0; }
@@ -275,7 +275,7 @@ class Controls:
     def _action_buttons(self, has_slam: bool) -> Any:
         has_views, drives = "view" in self._keys, "itself" in self._keys
         measure = "Measure landmarks from here" + (" and give them to your SLAM" if has_slam else "")
-        tooltip = "Show your code's view of the picture over it, beside it, or not at all"
+        tooltip = "Show what your code sees over the picture, in an inset, or not at all"
         go = "Let your code choose where the robot goes, until you press Stop"
         self.view = self._button("view", "View", tooltip, "eye") if has_views else None
         return box(

@@ -19,7 +19,7 @@ from nao_course.plotting import (
     plot_picture,
     style_of,
 )
-from nao_course.plotting.legends import legend_below, source_key
+from nao_course.plotting.legends import landmark_keys, legend_below, source_key
 from nao_course.sim import Field
 from nao_course.widgets.vector_map import MapContents
 from nao_course.widgets.vector_map.live import FRONTIER
@@ -57,10 +57,21 @@ def draw_still(
     plot_field(field, ax)
     _plot_contents(contents, list(names)[-1], ax)
     keys = [source_key(source, names[source]) for source in contents.paths]
+    if contents.estimate is not None:
+        keys += landmark_keys(contents.estimate.kinds, style_of(list(names)[-1]).colour, "estimated")
+    if len(contents.points):
+        keys.append(
+            Line2D([], [], label="found by your code", ls="", marker=POINT_MARKER, **_point(contents))
+        )
     if len(contents.cells):
         keys.append(Line2D([], [], label="frontiers", **_CELLS))
     legend_below(figure, keys, columns=3)
     return Drawing(figure, alt, photo=True)
+
+
+def _point(contents: MapContents) -> dict[str, Any]:
+    """Return the appearance of the points that the student's code found."""
+    return {"ms": 11, "color": style_of(contents.observer).colour, "mec": "white", "mew": 0.8}
 
 
 def _plot_contents(contents: MapContents, estimator: str, ax: Axes) -> None:
@@ -71,9 +82,6 @@ def _plot_contents(contents: MapContents, estimator: str, ax: Axes) -> None:
         plot_path(list(path), ax, source)
     observer = contents.paths[contents.observer][-1]
     if len(contents.points):
-        colour = style_of(contents.observer).colour
-        ax.plot(
-            *observer.to_parent(contents.points).T, POINT_MARKER, ms=11, color=colour, mec="white", mew=0.8
-        )
+        ax.plot(*observer.to_parent(contents.points).T, POINT_MARKER, **_point(contents))
     if contents.seen:
         plot_measurements(contents.seen, observer, ax, contents.observer)

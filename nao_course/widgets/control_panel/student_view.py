@@ -94,10 +94,11 @@ class StudentView:
         return pixels, ""
 
     def live(self, camera: str, chosen: str, pictures: Mapping[str, Picture]) -> tuple[Any, str]:
-        """Return the same for the page: the large picture has the marks also if the labels are beside it."""
+        """Return the same for the page, with a short caption for the inset and with marks on the large picture."""
         if camera == chosen and self._view == "beside" and self.seen.names:
             return self.seen.marked(pictures[camera].pixels), f"{camera} camera, your marks"
-        return self.shown(camera, chosen, pictures)
+        pixels, caption = self.shown(camera, chosen, pictures)
+        return pixels, "your view" if self.hides(camera, chosen) else caption
 
     def heading(self) -> list[str]:
         """Return short lines about the functions that run and those still to come."""

@@ -26,12 +26,13 @@ from nao_course.geometry import FloatArray, Pose
 from nao_course.plotting.drawing import say_place
 from nao_course.plotting.style import FOUND, GREY, style_of
 from nao_course.sim import Field
-from nao_course.slam import Estimate, measured_points
+from nao_course.slam import measured_points
 from nao_course.widgets.vector_map.contents import MapContents
 
 CELL = 0.1  # m: side of a grid cell
 FARTHEST = 1e4  # m; nothing beyond it is sent
 VIEW_REACH = 1.6  # m: length of the view cone on the map
+KINDS_IN_LEGEND = ("corners", "goal posts", "crosses")  # in the order of LANDMARK_MARKERS
 FRONTIER, VIEW = "#7a35d0", "#fffbe0"
 _RENDER = """
 export default {
@@ -98,6 +99,7 @@ class VectorMap:
         layers = self._layers(cells)
         self._kinds = {each.name: each.kind for each in layers}
         scene = scene_data(field, layers, carpet_bounds(field), self.alt, tallest)
+        scene["field"]["label"] = "true lines and posts"
         self.widget = MapWidget(scene=scene)
         self.widget.on_msg(self._answer)
 
@@ -151,18 +153,21 @@ class VectorMap:
     def _layers(self, cells: str) -> list[Layer]:
         """Return the empty layers, from the lowest to the highest."""
         estimator = style_of(list(self._names)[-1])
-        own = f"{self._names[list(self._names)[-1]]}: landmarks"
         layers = {
             "cells": cell_layer(FRONTIER, CELL, [()], cells),
             "view": Layer("cone", [np.empty((0, 5))], VIEW, "camera's view"),
             "ellipses": ellipse_layer(estimator.colour, [((), np.empty((0, 2, 2)))], "95 % ellipse"),
+            "robot": ellipse_layer(estimator.colour, [((), np.empty((0, 2, 2)))], lens=True),
             "rays": line_layer(GREY, [()], jumps=True),
-            "landmarks": landmark_layer(estimator.colour, [((), ())], own, keys=[0, 1]),
+            "landmarks": landmark_layer(estimator.colour, [((), ())], "estimated", kinds=KINDS_IN_LEGEND),
             "seen": landmark_layer(
                 GREY, [((), ())], "measured from here", open=True, size=DETECTED, jumps=True, keys=[1]
             ),
             "points": point_layer(FOUND, [()], "found by your code", marker="*", size=5.0, jumps=True),
-            **{f"path {source}": path_layer(source, [None], name) for source, name in self._names.items()},
+            **{
+                f"path {source}": path_layer(source, [None], name, lensed=source == "truth")
+                for source, name in self._names.items()
+            },
         }
         return [
             Layer(each.kind, each.frames, each.colour, each.label, name, each.appearance)
@@ -179,7 +184,12 @@ class VectorMap:
         frames: dict[str, FloatArray] = {
             "cells": np.asarray(contents.cells, dtype=float).reshape(-1, 2),
             "view": np.array(view, dtype=float).reshape(-1, 5),
-            "ellipses": np.empty((0, 5)) if estimate is None else _ellipses(estimate),
+            "ellipses": np.empty((0, 5))
+            if estimate is None
+            else ellipse_numbers(estimate.landmarks, estimate.landmark_covariances),
+            "robot": np.empty((0, 5))
+            if estimate is None
+            else ellipse_numbers(estimate.pose.as_array()[:2], estimate.covariance[None, :2, :2]),
             "rays": rays,
             "landmarks": np.empty((0, 3))
             if estimate is None
@@ -238,10 +248,3 @@ def _drawable(frame: FloatArray) -> FloatArray:
 def _ahead(pose: Pose, view: tuple[float, float]) -> tuple[float, float, float, float]:
     direction, half = view
     return pose.x, pose.y, pose.theta + direction, half
-
-
-def _ellipses(estimate: Estimate) -> FloatArray:
-    centres = np.vstack([[estimate.pose.x, estimate.pose.y], estimate.landmarks])
-    return ellipse_numbers(
-        centres, np.concatenate([estimate.covariance[None, :2, :2], estimate.landmark_covariances])
-    )

@@ -77,6 +77,7 @@ def test_a_hidden_truth_gives_neither_an_error_nor_a_verdict():
 def test_the_tiles_say_the_numbers_and_their_verdict():
     html = numbers_html(accuracy(estimate((0.54, 0.72, 0.0)), Pose()), has_truth=True, estimated=True)
     assert "<b>90 cm</b>" in html and "<b>± 51 cm</b>" in html
+    assert "error larger than the ellipse says; NEES " in html and 'title="NEES, the normalised' in html
     assert "<b>overconfident</b>" in html and "nao-bad" in html and "nao-good" not in html
     assert (
         numbers_html(accuracy(Pose(0.3, 0.4, 0.0), Pose()), has_truth=True, estimated=False).count("–") == 2

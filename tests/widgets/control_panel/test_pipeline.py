@@ -83,7 +83,7 @@ def test_beside_the_picture_is_the_other_cameras_place():
     panel = make()
     panel.view = "beside"
     assert pinkness(decoded(image(panel, "top"))) > 100 > 20 > pinkness(decoded(image(panel, "bottom")))
-    assert "<b>Your bright</b>" in panel._controls.captions["top"].value
+    assert "<b>Your view</b>" in panel._controls.captions["top"].value
 
 
 def test_a_picture_that_nobody_sees_is_not_taken_and_is_up_to_date_when_it_is_looked_at():

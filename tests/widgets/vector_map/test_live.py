@@ -48,7 +48,7 @@ def test_of_a_path_that_grew_only_the_new_poses_are_sent(live):
 
 def test_nothing_is_sent_where_nothing_has_changed(live):
     contents = MapContents({"truth": PATH}, ESTIMATE, cells=np.array([(1.0, 1.0)]))
-    assert live.update(contents) == 4 and live.update(contents) == 0 and len(live.sent) == 1
+    assert live.update(contents) == 5 and live.update(contents) == 0 and len(live.sent) == 1
 
 
 def test_another_path_replaces_the_old_one(live):

@@ -36,6 +36,7 @@ from nao_course.plotting.style import GREY
 from nao_course.sim.drives import Function
 
 WRONG, RIGHT = STYLES["odometry"].colour, STYLES["ekf"].colour
+MAP_SIZE = 5.6, 5.4  # inches: width and height of a map, so that all maps have one scale
 LOWEST, HIGHEST = 0.1, 1e4  # of the axis that shows NEES
 
 # --- the map ---
@@ -66,13 +67,13 @@ def draw_bent_map(
 
 
 def _draw_maps(runs: dict[str, tuple[FilterRun, str]]) -> Drawing:
-    figure = Figure(figsize=(max(5.6 * len(runs), 7.0), 5.4))
+    figure = Figure(figsize=(MAP_SIZE[0] * len(runs), MAP_SIZE[1]))
     for ax, (title, (run, colour)) in zip(
         figure.subplots(1, len(runs), squeeze=False)[0], runs.items(), strict=True
     ):
         _plot_map(ax, run, colour)
         ax.set_title(f"{title}: {100 * run.map_error:.0f} cm off")
-    legend_below(figure, _map_keys([colour for _, colour in runs.values()]), columns=2 * len(runs))
+    legend_below(figure, _map_keys([colour for _, colour in runs.values()]), columns=2)
     return Drawing(figure, " ".join(f"{title}. {_say_run(run)}" for title, (run, _) in runs.items()))
 
 
@@ -169,8 +170,8 @@ def draw_second_error() -> Drawing:
     """Draw map and pose NEES of the filter after its first bug is fixed."""
     run = recorded_run(ONE_ERROR)
     low, high = band(3, 1)
-    figure = Figure(figsize=(11.0, 4.8))
-    left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
+    figure = Figure(figsize=(2 * MAP_SIZE[0], MAP_SIZE[1]))
+    left, right = figure.subplots(1, 2)
     _plot_map(left, run, WRONG)
     left.set_title(f"One bug left: {100 * run.map_error:.0f} cm off")
     steps = np.arange(1, len(run.nees) + 1)
@@ -185,7 +186,7 @@ def draw_second_error() -> Drawing:
     right.set(xlabel="step", ylabel="pose NEES", yscale="log", ylim=(LOWEST, HIGHEST), xlim=(1, len(steps)))
     right.legend(fontsize=9, loc="upper left")
     right.set_title("Three degrees of freedom")
-    legend_below(figure, _map_keys([WRONG]), columns=3)
+    legend_below(figure, _map_keys([WRONG]), columns=2)
     return Drawing(
         figure,
         f"{_say_run(run)} The NEES of one pose should lie between {low:.1f} and {high:.1f} in 95 % of all steps. It is "

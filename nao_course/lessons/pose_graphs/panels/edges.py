@@ -64,6 +64,7 @@ class EdgePanel(PlayerPanel):
             ),
             speeds={"2 a second": 2.0},
             backwards=False,
+            drawn=("H",),
             student={} if linearize is None else {"linearize": linearize},
         )
 

@@ -119,6 +119,7 @@ class RelaxPanel(PlayerPanel):
             speeds={"one after the other": PACE},
             backwards=False,
             student=functions,
+            drawn=("Blocks of H",),
         )
 
     def _relax(self, values: Any, student: Mapping[str, Function]) -> Iterator[Any]:
