@@ -63,7 +63,7 @@ def plot_field(field: Field, ax: Axes, landmarks: bool = False) -> None:
         rim = copy(patch)
         add(patch, LINE, 0.2)
         add(rim, LINE_RIM, 0.15)  # below all lines, so that it does not divide them where they meet
-        rim.set(edgecolor=LINE_RIM, linewidth=1.2)
+        rim.set(edgecolor=LINE_RIM, linewidth=1.2, antialiased=False)
 
     add(Rectangle((x0, y0), x1 - x0, y1 - y0), CARPET, 0.1)
     for strip in _strips(np.vstack([field.lines, field.mark_lines]), d.line_width):

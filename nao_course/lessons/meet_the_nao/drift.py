@@ -75,7 +75,7 @@ def draw_growth(drives: Mapping[str, Sequence[Motion]], seed: int, title: str | 
         For each drive the median of 2000 robots, and a band with 90 % of them.
     """
     words = [f"{title or 'Drift over the distance'}."]
-    figure = Figure(figsize=(7.4, 4.4))
+    figure = Figure(figsize=(7.2, 4.2))
     ax = figure.add_subplot()
     for (name, commands), (colour, marker) in zip(drives.items(), _LINE_STYLES, strict=False):
         way = np.concatenate([[0.0], np.cumsum([abs(each.distance) for each in commands])])
@@ -138,7 +138,7 @@ def draw_drift(
     keys: list[Artist] = [
         Line2D([], [], color=truth.colour, lw=0.9, marker="o", ms=5, label="true paths, ends")
     ]
-    figure = Figure(figsize=(6.4, 6.9) if field is None or field.half else (9.2, 6.6))
+    figure = Figure(figsize=(6.0, 6.4) if field is None or field.half else (9.2, 6.6))
     ax = figure.add_subplot()
     everywhere = origin.to_parent(array[:, :, :2].reshape(-1, 2))
     metric_axes(ax, everywhere, margin=0.4)
