@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import re
 import signal
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import takewhile
 from typing import Any
@@ -16,10 +17,11 @@ from nao_course.exercises import judging
 from nao_course.exercises.case import Case
 from nao_course.exercises.cells import source_of
 from nao_course.exercises.comparisons.comparison import Verdict
+from nao_course.exercises.definitions import Skipped
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.collecting.files import LARGEST_READ, Files
-from nao_course.instructor.gradebook.records import State
+from nao_course.instructor.gradebook.records import ExerciseResult, State
 from nao_course.instructor.sandbox.protocol import UNREADABLE
 from nao_course.instructor.sandbox.worker import TOO_OFTEN
 
@@ -53,6 +55,9 @@ _SIGNALS = {
 }
 _MOST_DIMENSIONS = 4  # that are counted; an array may have 64
 _LINE = re.compile(r"line (\d{1,5}): (.+)")
+_SYNTAX_ERRORS = {"SyntaxError", "IndentationError", "TabError"}
+_PLACE = re.compile(r" \(<[^<>]*>, line \d+\)$")  # which Python adds to the message of a syntax error
+LONGEST_MESSAGE = 200  # characters of it
 MOST_LINES = 100  # length of the longest definition whose lines are shown
 
 
@@ -111,19 +116,63 @@ def definition_lines(notebook: bytes, name: str) -> frozenset[tuple[int, str]]:
         Without surrounding blanks. Empty for a large notebook or definition,
         because a choice among many lines reveals much.
     """
+    _, lines, start = _last_definition(notebook, name)
+    body = takewhile(lambda line: not line or line[0] in " \t)#", lines[start + 1 :])
+    told = list(enumerate([*lines[start : start + 1], *body], start=start + 1))
+    return frozenset((number, line.strip()) for number, line in told if len(told) <= MOST_LINES)
+
+
+def _last_definition(notebook: bytes, name: str) -> tuple[int, list[str], int]:
+    """Return the number of the last code cell that begins to define a name, its lines, and the index of that line.
+
+    The number is 0 if there is none, or if the notebook is large.
+    """
     try:
         cells = json.loads(notebook)["cells"] if len(notebook) <= LARGEST_READ else []
         sources = [source_of(cell) for cell in cells if cell.get("cell_type") == "code"]
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        return frozenset()
+        return 0, [], 0
     begins = re.compile(rf"(?:async +)?(?:def|class) +{re.escape(name)}\b")
-    for lines in (source.splitlines() for source in reversed(sources)):
-        starts = [number for number, line in enumerate(lines) if begins.match(line)]
-        if starts:
-            body = takewhile(lambda line: not line or line[0] in " \t)#", lines[starts[-1] + 1 :])
-            told = list(enumerate([lines[starts[-1]], *body], start=starts[-1] + 1))
-            return frozenset((number, line.strip()) for number, line in told if len(told) <= MOST_LINES)
-    return frozenset()
+    for number in range(len(sources), 0, -1):
+        lines = sources[number - 1].splitlines()
+        if starts := [index for index, line in enumerate(lines) if begins.match(line)]:
+            return number, lines, starts[-1]
+    return 0, [], 0
+
+
+def with_syntax_errors(
+    results: Iterable[ExerciseResult], skipped: Sequence[Skipped], notebook: bytes
+) -> tuple[ExerciseResult, ...]:
+    """Name the syntax error in place of "not found" where the cell of an exercise has one.
+
+    Parameters
+    ----------
+    results : iterable of ExerciseResult
+        Results of a submission.
+    skipped : sequence of Skipped
+        What did not run when the notebook was loaded, before there was any hidden input.
+    notebook : bytes
+        As it was handed in; nothing of it runs.
+    """
+    return tuple(
+        replace(each, state="raised", text=error, public=())
+        if each.state == "not found" and (error := _syntax_error(each.name, skipped, notebook))
+        else each
+        for each in results
+    )
+
+
+def _syntax_error(name: str, skipped: Sequence[Skipped], notebook: bytes) -> str:
+    cell, _, _ = _last_definition(notebook, name)
+    for each in skipped:
+        kind, _, message = each.reason.partition(":")
+        if each.cell == cell and kind in _SYNTAX_ERRORS:
+            message = _PLACE.sub("", message)[:LONGEST_MESSAGE].strip()
+            return (
+                f"Code cell {cell}, which defines it, cannot run: {kind} in line {each.line}: {message}. Correct this "
+                "line, restart the kernel and run all cells."
+            )
+    return ""
 
 
 def describe_outcome(

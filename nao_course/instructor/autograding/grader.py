@@ -31,6 +31,7 @@ from nao_course.instructor.autograding.failures import (
     HiddenResult,
     describe_failure,
     describe_outcome,
+    with_syntax_errors,
 )
 from nao_course.instructor.autograding.references import (
     STOOD_IN,
@@ -157,10 +158,9 @@ def _grade(
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
             grader = SubmissionGrader(worker, assignment, files, server, stopped, retries, allowances)
-            exercises = grader.all_exercises()
+            exercises = with_syntax_errors(grader.all_exercises(), found.skipped, files.notebook)
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
             attempts += tuple(f"{ATTEMPT}{each}" for each in grader.attempts if each not in worker.notes)
-            deaths = worker.deaths + grader.deaths
     result = SubmissionResult(
         submission.student,
         submission.lesson,
@@ -175,7 +175,7 @@ def _grade(
         handed_in=submission.handed_in,
         late=submission.late,
     )
-    return result, deaths
+    return result, worker.deaths + grader.deaths
 
 
 def refuse(submission: Submission, assignment: Assignment, reason: str, digest: str = "") -> SubmissionResult:

@@ -309,7 +309,7 @@ FAILURES = {
     "class Liar(np.ndarray):\n    def __eq__(self, o): return True\n    def __sub__(self, o): return 0\n"
     "def double(x):\n    return x.view(Liar)": "wrong",
     "double = 7": "not found",
-    "def double(x:": "not found",
+    "def double(x:": "raised",
     "def double():\n    return 1": "raised",
 }
 
@@ -323,6 +323,16 @@ def test_each_failure_is_told_and_costs_only_its_own_exercise(marked, source):
     double = of(result, "double")
     assert (double.state, double.earned) == (FAILURES[source], 0)
     assert [each.earned for each in result.exercises[1:]] == [1, 1.5, 1]
+
+
+def test_a_syntax_error_is_told_with_its_cell_and_line_instead_of_not_found(marked):
+    result = marked({"double": "def double(x):\n    return 2 * (x", "plus_one": "plus = 1"})
+    double = of(result, "double")
+    assert "which defines it, cannot run: SyntaxError in line 2: '(' was never closed. Correct" in double.text
+    assert re.match(r"Code cell \d+,", double.text) and double.public == () and double.state == "raised"
+    assert (
+        of(result, "plus_one").state == "not found"
+    )  # it is not defined anywhere, and nothing is wrong with a cell
 
 
 def test_the_kind_of_failure_the_line_and_the_difference_in_shape_are_told(marked):
