@@ -13,9 +13,8 @@ from nao_course.slam import Motion
 from tests.paths import SOLUTIONS
 
 TURN, KNOWN = Motion(0.2, 0.5), np.radians(1.0) ** 2
-MORE = Observation(
-    (), np.zeros((0, 0)), direction=-0.5 - 0.4, direction_sigma=0.01
-)  # 23 degrees more than TURN
+# The robot has turned 23 degrees more than TURN.
+MORE = Observation((), np.zeros((0, 0)), direction=-0.5 - 0.4, direction_sigma=0.01)
 
 
 @pytest.fixture(scope="module")
