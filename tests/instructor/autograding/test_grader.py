@@ -330,9 +330,8 @@ def test_a_syntax_error_is_told_with_its_cell_and_line_instead_of_not_found(mark
     double = of(result, "double")
     assert "which defines it, cannot run: SyntaxError in line 2: '(' was never closed. Correct" in double.text
     assert re.match(r"Code cell \d+,", double.text) and double.public == () and double.state == "raised"
-    assert (
-        of(result, "plus_one").state == "not found"
-    )  # it is not defined anywhere, and nothing is wrong with a cell
+    # It is not defined anywhere, and no cell has an error.
+    assert of(result, "plus_one").state == "not found"
 
 
 def test_the_kind_of_failure_the_line_and_the_difference_in_shape_are_told(marked):
