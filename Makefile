@@ -36,7 +36,7 @@ demo: .venv/lab.stamp  ## let the robot drive and map the field by itself
 test: lint test-quick  ## the quick tier: lint, types, all tests that are not slow
 
 lint: .venv/dev.stamp
-	$(PY) -m ruff format --check .
+	@$(PY) -m ruff format --check . || { echo "Run .venv/bin/ruff format . to change these files." >&2; exit 1; }
 	$(PY) -m ruff check .
 	$(PY) -m mypy
 

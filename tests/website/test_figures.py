@@ -91,7 +91,7 @@ def test_every_lesson_shows_figures_and_only_pictures_of_the_solution(lesson):
     )
     add_figures(student, solved)
     drawn = [cell for cell in student["cells"] if cell.get("outputs")]
-    assert len(drawn) >= 3
+    assert len(drawn) >= 3, f"only {len(drawn)} cells of {lesson} show a figure or a picture"
     for each in drawn:
         [found] = each["outputs"]
         assert set(found["data"]) == {"text/html"}

@@ -121,7 +121,7 @@ def test_what_goes_wrong_in_class_is_a_mistake_that_a_check_of_that_lesson_names
         for number, each in LESSONS.items()
         if "8" in load_plan(declarations / f"{each.name}.py").waived
     }
-    assert {*LESSONS} - without == {row[0][:2] for row in rows}
+    assert {*LESSONS} - without <= {row[0][:2] for row in rows} <= {*LESSONS}
     for where, mistake, *_ in rows:
         number, exercise = re.fullmatch(r"(\d\d) `(\w+)`", where).groups()
         name = LESSONS[number].name

@@ -322,12 +322,14 @@ def _scores_figure(graded: Sequence[Score]) -> Markup:
     """Draw a histogram of the points of all submissions."""
     earned = np.array([each.earned for each in graded])
     most = max(each.points for each in graded)
-    counts, edges = np.histogram(np.clip(earned, 0, most), bins=min(20, max(5, int(most))), range=(0, most))
+    # One bar for each point, around it, as long as there are not too many.
+    bins = np.arange(int(most) + 2) - 0.5 if most == int(most) <= 20 else np.linspace(0, most, 21)
+    counts, edges = np.histogram(np.clip(earned, 0, most), bins)
     best = int(counts.argmax())
     alt = (
         f"Histogram of points, 0 to {number(most)}: mean {number(float(earned.mean()))}, "
         f"median {number(float(np.median(earned)))}; most submissions, {counts[best]}, "
-        f"from {number(edges[best])} to {number(edges[best + 1])}."
+        f"from {number(max(edges[best], 0))} to {number(min(edges[best + 1], most))}."
     )
 
     def draw(axes: Axes) -> None:
@@ -335,7 +337,7 @@ def _scores_figure(graded: Sequence[Score]) -> Markup:
         axes.axvline(float(earned.mean()), color="#1d2327", linestyle="-", label=f"mean {earned.mean():.1f}")
         middle = float(np.median(earned))
         axes.axvline(middle, color="#1d2327", linestyle=":", linewidth=2, label=f"median {middle:.1f}")
-        axes.set(xlabel="points", ylabel="submissions", xlim=(0, most))
+        axes.set(xlabel="points", ylabel="submissions", xlim=(edges[0], edges[-1]))
         axes.locator_params(axis="y", integer=True)
         axes.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
 

@@ -81,6 +81,7 @@ th, td { text-align: left; padding: 0.35rem 0.6rem 0.35rem 0; border-bottom: 1px
   vertical-align: top; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
 th[scope="row"] { min-width: 7rem; }
+th:not([scope="row"]) { overflow-wrap: normal; }
 .scroll { overflow-x: auto; }
 .scroll th, .scroll td { white-space: nowrap; padding-right: 1rem; }
 main > h3 { margin-top: 1.6rem; }

@@ -162,7 +162,7 @@ def test_figures_are_whole_pictures_with_words_and_the_same_each_time():
 
 def test_the_bars_of_the_histogram_hold_every_submission():
     made = scores([result(f"s{i}", exercise(points=3.0, earned=e)) for i, e in enumerate((0, 3, 3, 3, 9))])
-    assert "most submissions, 4, from 2.4 to 3" in pictures(Page(report_page(made)))[0]["alt"]
+    assert "most submissions, 4, from 2.5 to 3" in pictures(Page(report_page(made)))[0]["alt"]
 
 
 # Four examples are enough, because figures are slow.
