@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
@@ -194,7 +195,7 @@ LIMITS = Question(
     right="TODO: the right choice",
 )
 
-PLAN = LessonPlan(exercises=[{constants}], questions=[WHY, LIMITS])
+PLAN = {plan}
 '''
 _TEST = '''"""The equations of lesson {number}, each held against the solution that the lesson builds on it."""
 
@@ -216,6 +217,7 @@ def test_twice_a_number_is_the_number_and_itself(solution, rng):
     for value in rng.uniform(-10, 10, 20):
         assert np.isclose(solution["{first}"](value), value + value)
 '''
+LINE_LENGTH = 110  # of the formatter, as in pyproject.toml
 # The panel of a new lesson, and what its set-up imports for it.
 PANEL_IMPORT = "from nao_course.widgets import FunctionPanel, Slider"
 PANEL = """\
@@ -225,7 +227,8 @@ def show(values, student):
 
 
 controls = [Slider("value", "Value", 0, 10, 1, 3)]
-FunctionPanel("TODO: what it shows", show, controls, student={{"{first}": {first}}})"""
+functions = {{"{first}": {first}}}
+FunctionPanel("TODO: what it shows", show, controls, student=functions)"""
 TEXT = "lesson.md"  # beside this module: the text of a new lesson
 
 
@@ -285,10 +288,23 @@ def _words(number: str, name: str) -> dict[str, str]:
         "panel": PANEL.format_map(exercises),
         "panel_import": PANEL_IMPORT,
         "declarations": "".join(declared),
-        "constants": ", ".join(map(str.upper, exercises.values())),
+        "plan": _plan([each.upper() for each in exercises.values()]),
         **exercises,
         **{f"{each}_solved": _SOLVED.format(name=exercise) for each, exercise in exercises.items()},
     }
+
+
+def _plan(constants: Sequence[str]) -> str:
+    """Return the plan's call in as many lines as the formatter would give it."""
+    exercises, questions = ", ".join(constants), "questions=[WHY, LIMITS]"
+    inside = f"exercises=[{exercises}], {questions}"
+    if len(f"PLAN = LessonPlan({inside})") <= LINE_LENGTH:
+        return f"LessonPlan({inside})"
+    if len(inside) + 4 <= LINE_LENGTH:
+        return f"LessonPlan(\n    {inside}\n)"
+    if len(exercises) + 17 > LINE_LENGTH:
+        exercises = "".join(f"\n        {each}," for each in constants) + "\n    "
+    return f"LessonPlan(\n    exercises=[{exercises}],\n    {questions},\n)"
 
 
 def add_exercise(course: Course, lesson: str, name: str, *, a_class: bool = False) -> list[Path]:

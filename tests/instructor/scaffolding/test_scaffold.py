@@ -1,6 +1,7 @@
 """A new lesson and a new exercise build at once, and cannot be released unfinished."""
 
 import inspect
+import re
 import shutil
 import subprocess
 import sys
@@ -34,6 +35,21 @@ def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished
     result = run("release", "--out", "dist")
     assert result.exit_code == 1 and "07_ekf_slam.ipynb says TODO" in result.output
     assert not Path("dist").exists()
+
+
+@pytest.mark.parametrize(
+    "name", ["short", "fourteen_of_it", "complementary_balance", "complementary_filters_and_balance"]
+)
+def test_the_files_of_a_new_lesson_are_formatted_and_their_lines_fit_whatever_its_name(course, name):
+    assert run("new", "lesson", "07", name).exit_code == 0
+    shutil.copy(PROJECT / "pyproject.toml", course.root)
+    made = [f"solutions/exercises/07_{name}.py", f"tests/lessons/test_07_{name}.py"]
+    command = [sys.executable, "-m", "ruff", "format", "--check", "--no-cache", *made]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=course.root)
+    assert done.returncode == 0, done.stdout
+    text = (course.root / f"solutions/07_{name}.md").read_text(encoding="utf-8")
+    cells = re.findall(r"^```\{code-cell\}.*?^```", text, re.MULTILINE | re.DOTALL)
+    assert len(cells) > 5 and max(len(line) for cell in cells for line in cell.splitlines()) <= 120
 
 
 def test_a_class_and_a_function_with_the_stars_of_the_last_exercise_are_begun_in_any_lesson(course):
