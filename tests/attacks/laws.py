@@ -38,7 +38,10 @@ def gained_nothing(graded: Graded, attack: Attack) -> None:
     student = student_of(graded, attack)
     result = graded.results[student]
     said = told(result)
-    assert points(result) == dict(attack.honest), said
+    if attack.races:
+        is_no_better_off(graded, attack)
+    else:
+        assert points(result) == dict(attack.honest), said
     assert result.status == ("refused" if attack.refused else "graded"), said
     assert bool(result.reason) == attack.refused, said
     assert result.seconds < MOST_SECONDS, said

@@ -152,6 +152,8 @@ class Attack:
         Whether it gets a reason instead of a score.
     lesson : str
         Whose notebook it is.
+    races : bool
+        Whether it races with the process that it runs in, so that it may lose points that it states as honest.
     """
 
     name: str
@@ -167,6 +169,7 @@ class Attack:
     hides: tuple[str, ...] = ()
     refused: bool = False
     lesson: str = LESSON
+    races: bool = False
 
 
 def all_but(*names: str, **points: float) -> dict[str, float]:

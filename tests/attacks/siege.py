@@ -975,6 +975,7 @@ SECOND = (
         threading.Thread(target=shoot, daemon=True).start()
         return -1e6
         """,
+        races=True,
     ),
     speaking(
         "finalizer_that_speaks_for_later_calls",
