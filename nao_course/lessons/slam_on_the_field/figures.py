@@ -6,18 +6,15 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course._internal.counts import say_count
-from nao_course.field_slam.compass import tilt_from_lines
 from nao_course.field_slam.drives import OdometryNoisePerMove, drive_over_field
-from nao_course.field_slam.lines import read_lines
-from nao_course.field_slam.observation import POST_SIGMA, Observation, observation, picture_covariance, tilted
+from nao_course.field_slam.observation import Observation, picture_covariance
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.slam_on_the_field.drivers import taken_from
-from nao_course.lessons.slam_on_the_field.worlds import FIELD
+from nao_course.lessons.slam_on_the_field.worlds import FIELD, checked_measurements, observe
 from nao_course.plotting import (
     STYLES,
     Drawing,
@@ -31,7 +28,6 @@ from nao_course.plotting import (
     plot_pose,
 )
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.sim import CameraView
 from nao_course.slam import DeadReckoning, Measurement, Motion, measured_points, run_slam
 
 PLACE = Pose(1.45, -0.55, -0.45)
@@ -45,7 +41,7 @@ TITLES = {"odometry": "odometry", "ekf": "your filter", "graph": "your graph"}
 def draw_measurements(measure: Callable[..., Any]) -> Drawing:
     """Draw three pictures from one place, and a student's measurements of them on the map."""
     pictures = [taken_from(PLACE, yaw) for yaw in YAWS]
-    found = [_seen(measure, each.pixels, each.view) for each in pictures]
+    found = [checked_measurements(measure(each.pixels.copy(), each.view)) for each in pictures]
     figure = Figure(figsize=(9.6, 5.6))
     grid = figure.add_gridspec(3, 2, width_ratios=(1, 2.2))
     for row, (picture, seen) in enumerate(zip(pictures, found, strict=True)):
@@ -171,24 +167,7 @@ def measured_drive(measure: Callable[..., Any]) -> tuple[list[tuple[Motion | Non
     """
     log, true = [], []
     for shot in drive_over_field(PAYOFF_SEED, moves=PAYOFF_MOVES):
-        pixels, view = shot.picture.pixels, shot.picture.view
-        lean = tilt_from_lines(read_lines(pixels, view), view)
-        found = _seen(measure, pixels, tilted(view, lean.pitch, lean.roll))
-        seen = observation(
-            found,
-            lean.covariance[:2, :2],
-            direction=lean.direction,
-            direction_sigma=lean.direction_sigma,
-            post_sigma=POST_SIGMA,
-        )
+        seen = observe(measure, shot.picture.pixels, shot.picture.view)
         log.append((shot.motion, seen))
         true.append(shot.pose.as_array())
     return log, np.array(true)
-
-
-def _seen(measure: Callable[..., Any], pixels: npt.NDArray[np.uint8], view: CameraView) -> list[Measurement]:
-    """Return a student's measurements of a picture, or raise TypeError if they are something else."""
-    found = measure(pixels.copy(), view)
-    if not isinstance(found, list | tuple) or any(not isinstance(each, Measurement) for each in found):
-        raise TypeError("measure must return a list of Measurement")
-    return list(found)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.exercises.earlier import EarlierNotUsable
-from nao_course.field_slam.compass import tilt_from_lines
-from nao_course.field_slam.lines import read_lines
-from nao_course.field_slam.observation import POST_SIGMA, Observation, observation, tilted
+from nao_course.field_slam.observation import Observation
 from nao_course.geometry import pose_errors
+from nao_course.lessons.slam_on_the_field.worlds import observe
 from nao_course.metrics import squared_distances
 from nao_course.sim import SimulatedNao, Truth
-from nao_course.slam import Estimate, Measurement, measured_points
+from nao_course.slam import Estimate, measured_points
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.named_landmarks import new_motions
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
@@ -49,25 +46,11 @@ def _follow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
 
 
 def _seen(student: StudentCode, nao: SimulatedNao, frame: Frame) -> tuple[Observation, str]:
-    """Return a picture's measurements, and who made them: the student's function, or else the simulator.
-
-    The student's function gets the view with the body tilt that the library finds from the field lines, as in the demo.
-    One picture follows the other so closely that errors of the assumed view would add up.
-    """
+    """Return a picture's measurements, and who made them: the student's function, or else the simulator."""
     picture, by = frame.picture, "sense()"
     if "measure" in student:
-        tilt = tilt_from_lines(read_lines(picture.pixels, picture.view), picture.view)
-        level = tilted(picture.view, tilt.pitch, tilt.roll)
         try:
-            seen = _checked(student.measure(picture.pixels, level))
-            sure = observation(
-                seen,
-                tilt.covariance[:2, :2],
-                direction=tilt.direction,
-                direction_sigma=tilt.direction_sigma,
-                post_sigma=POST_SIGMA,
-            )
-            return sure, "your measure"
+            return observe(student.measure, picture.pixels, picture.view), "your measure"
         except EarlierNotUsable as lacking:  # `measure` is written, but a function that it calls is not
             student.running = ""
             by += f", for {str(lacking).rstrip('.')}"
@@ -81,16 +64,6 @@ def _sensed(nao: SimulatedNao, camera: str) -> Observation:
     for i, each in enumerate(seen):
         R[i, :, i] = nao.sensor_noise.covariance(each)
     return Observation(seen, R.reshape(2 * len(seen), -1) if seen else np.zeros((0, 0)))
-
-
-def _checked(found: object) -> list[Measurement]:
-    """Return the measurements, or raise TypeError if they are something else."""
-    if not isinstance(found, Iterable) or isinstance(found, Measurement):
-        raise TypeError(f"measure must return a list of Measurement, got {type(found).__name__}")
-    seen = list(found)
-    if any(not isinstance(each, Measurement) for each in seen):
-        raise TypeError("measure must return a list of Measurement")
-    return seen
 
 
 class Board:

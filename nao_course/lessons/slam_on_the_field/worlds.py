@@ -1,25 +1,29 @@
-"""Drives and single pictures without rendering, to try association on: measurements and errors are random."""
+"""Observations: drawn at random for drives that are not rendered, or made from a picture by a student's function."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.field_slam.compass import wrap_quarter
+from nao_course.field_slam.compass import tilt_from_lines, wrap_quarter
 from nao_course.field_slam.drives import YAWS, Driver, OdometryNoisePerMove, start_of
+from nao_course.field_slam.lines import read_lines
 from nao_course.field_slam.observation import (
     CAMERA_HEIGHT,
     FOCAL,
     PIXEL_SIGMA,
+    POST_SIGMA,
     TILT_SIGMAS,
     Observation,
     observation,
+    tilted,
 )
 from nao_course.geometry import FloatArray, Pose, wrap_angle
-from nao_course.sim import Field
+from nao_course.sim import CameraView, Field
 from nao_course.slam import LandmarkKind, Measurement, Motion, range_and_bearing
 
 FIELD = Field(2012)
@@ -216,3 +220,43 @@ def association_problem(
     state = np.concatenate([pose.as_array(), LANDMARKS.ravel()]) + sigmas * rng.standard_normal(len(sigmas))
     state[2] = wrap_angle(state[2])
     return AssociationProblem(state, np.diag(sigmas**2), observation, origins, pose)
+
+
+def observe(measure: Callable[..., Any], pixels: npt.NDArray[np.uint8], view: CameraView) -> Observation:
+    """Return the observation of a picture by a student's function.
+
+    The function gets a copy of the picture, and the view with the body tilt that the library finds from the field
+    lines, as in the demo. One picture follows the other so closely that errors of the assumed view would add up.
+
+    Parameters
+    ----------
+    measure : callable
+        ``measure(pixels, view)`` returns a list of Measurement.
+    pixels : ndarray of uint8, shape (H, W, 3)
+        The picture.
+    view : CameraView
+        Its assumed view.
+
+    Raises
+    ------
+    TypeError
+        If the function returns something else.
+    """
+    tilt = tilt_from_lines(read_lines(pixels, view), view)
+    return observation(
+        checked_measurements(measure(pixels.copy(), tilted(view, tilt.pitch, tilt.roll))),
+        tilt.covariance[:2, :2],
+        direction=tilt.direction,
+        direction_sigma=tilt.direction_sigma,
+        post_sigma=POST_SIGMA,
+    )
+
+
+def checked_measurements(found: object) -> list[Measurement]:
+    """Return a student's measurements, or raise TypeError if they are something else."""
+    if not isinstance(found, Iterable) or isinstance(found, Measurement):
+        raise TypeError(f"measure must return a list of Measurement, got {type(found).__name__}")
+    seen = list(found)
+    if any(not isinstance(each, Measurement) for each in seen):
+        raise TypeError("measure must return a list of Measurement")
+    return seen
