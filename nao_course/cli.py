@@ -24,9 +24,9 @@ from nao_course.student import notebooks, progress
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 new = typer.Typer(no_args_is_help=True, help="Create an exercise or a lesson (instructors).")
-# A student's copy lacks the instructor's package, so its help omits the instructor's commands.
 # More than processors, because a submission waits for the grader a part of its time
 DEFAULT_JOBS = (os.cpu_count() or 2) + 2
+# A student's copy lacks the instructor's package, so its help omits the instructor's commands.
 _STUDENTS = find_spec("nao_course.instructor") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
 console = Console()
@@ -303,7 +303,6 @@ def grade(
     lesson: list[str] = typer.Option(
         [], help="Number of a lesson; by default all lessons that were handed in."
     ),
-    # One more than there are processors, because a submission waits while its process starts and ends.
     jobs: int = typer.Option(DEFAULT_JOBS, min=1, help="Submissions at a time."),
     require_sandbox: str = typer.Option("", metavar="LEVEL", help="Refuse to run below this level."),
 ) -> None:

@@ -217,7 +217,7 @@ class JointUpdate(SlamAlgorithm):
         )
 
     def _estimate_noise(self, seen: Observation) -> None:
-        """Estimate the odometry's noise from the first compass reading after a motion, and repeat the prediction."""
+        """Estimate the odometry's noise if the first picture after a motion has a compass, and predict again."""
         last, self._last = self._last, None
         if last is None or not np.isfinite(seen.direction_sigma):
             return
