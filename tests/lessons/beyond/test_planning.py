@@ -20,6 +20,7 @@ from nao_course.lessons.beyond.planning import (
 )
 from nao_course.lessons.beyond.worlds import AHEAD, LANDMARKS, ODOMETRY, SENSOR
 from nao_course.slam import Motion, range_and_bearing
+from tests.paths import SOLUTIONS
 
 STATE = np.concatenate([(1.2, -0.3, 0.4), LANDMARKS.ravel()])
 
@@ -124,6 +125,16 @@ def test_the_lessons_choice_ends_surer_than_chance(own, ekf):
     chosen = [journey(own["choose_move"], ekf, seed).sigmas[-1] for seed in range(3)]
     chance = [journey(at_random(seed), ekf, seed).sigmas[-1] for seed in range(3)]
     assert np.median(chosen) < 0.75 * np.median(chance)
+
+
+def test_the_text_says_what_drive_0_and_the_path_along_the_edge_look_like(own, ekf):
+    text = (SOLUTIONS / "12_beyond.md").read_text(encoding="utf-8")
+    sigmas = 100 * journey(own["choose_move"], ekf, 0).sigmas
+    assert f"in drive 0 to {sigmas[17]:.0f} cm after 17 moves" in text and sigmas[17] == sigmas.max()
+    assert f"to {sigmas[20]:.0f} cm after 20 moves" in text
+    edge = [journey(straight_on, ekf, seed) for seed in range(12)]
+    assert np.mean([len(seen) <= 1 for each in edge for seen in each.seen[1:]]) > 0.5
+    assert "at most one landmark in most moves" in text
 
 
 def test_from_a_blind_start_the_choice_finds_less_in_four_moves_than_chance(own, ekf):
