@@ -202,14 +202,12 @@ def mutate(
                 worker.overrides = {mutant.exercise: mutant.source}
                 worker.allowance = Allowance()  # each mutant is a submission of its own
                 exercise, hidden, public = plan[mutant.exercise], *tests[mutant.exercise]
-                caught = _fails(worker, exercise, hidden)
                 reason = "; ".join(
                     text for line, text in exercise.equivalents.items() if line in mutant.lines
                 )
-                if reason and not caught:
-                    caught = _fails(worker, exercise, more[mutant.exercise])
-                    if not caught:
-                        return Trial(mutant, hidden=False, public=False, reason=reason)
+                if reason and _passes_in_two_trials(worker, exercise, [*hidden, *more[mutant.exercise]]):
+                    return Trial(mutant, hidden=False, public=False, reason=reason)
+                caught = _fails(worker, exercise, hidden)
                 return Trial(mutant, caught, _fails(worker, exercise, public))
             finally:
                 free.put(worker)
@@ -295,6 +293,11 @@ def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
         if outcome.changed and exercise.in_place:
             return True
     return False
+
+
+def _passes_in_two_trials(worker: Worker, exercise: Exercise, cases: list[Case]) -> bool:
+    """Return whether a mutant passes all cases in one of two trials: a busy machine may delay or end one of them."""
+    return not _fails(worker, exercise, cases) or not _fails(worker, exercise, cases)
 
 
 # --- making them ---
