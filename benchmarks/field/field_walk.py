@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal, cast
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -19,10 +19,13 @@ from benchmarks.pictures.distance import marked, offset_of
 from benchmarks.simulator.reality import corrected_walk
 from benchmarks.simulator.reality.figure import LINE_COLOUR, field_curves
 from nao_course.datasets import RealPicture, read_pictures
+from nao_course.field_slam.adaptive_noise import FACTORS
 from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.calibration import CameraCalibration
 from nao_course.field_slam.compass import COMPASS_SIGMA, wrap_quarter
 from nao_course.field_slam.demo.drive import GATE, Functions, demo_functions, see
 from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.field_slam.joint_update import JointFilter, JointUpdate
 from nao_course.field_slam.observation import Observation
 from nao_course.field_slam.walk import FIELD, PITCH_OFFSET, Frame, real_walk
 from nao_course.geometry import FloatArray, Pose, pose_errors
@@ -47,28 +50,34 @@ class Options:
 
     Parameters
     ----------
-    calibrated : bool
-        Whether the robot knows its camera's constant offset.
+    calibration : "own", "marked" or "none"
+        Source of the camera's constant offset: the robot's own estimate on the way, the marked points of the first
+        picture, or none, so that the angles of the joints are used.
     compass : bool
         Whether lines tell the heading.
     marked_headings : bool
         Whether the true headings are those that the marked points tell; otherwise as written down.
+    joint : bool
+        Whether the observations have lines and the centre circle, and the filter uses them in a joint update.
     """
 
-    calibrated: bool = True
+    calibration: Literal["own", "marked", "none"] = "own"
     compass: bool = True
     marked_headings: bool = True
+    joint: bool = False
 
-    def observations(self, functions: Functions, pictures: Sequence[RealPicture]) -> list[Observation]:
-        """Return the observations of all pictures, which are the same for all seeds."""
-        found = []
+    def observations(
+        self, functions: Functions, pictures: Sequence[RealPicture]
+    ) -> tuple[list[Observation], CameraCalibration]:
+        """Return the observations of all pictures, the same for all seeds, and the calibration after the last one."""
+        found, calibration = [], CameraCalibration()
+        own = calibration if self.calibration == "own" else None
+        offset = PITCH_OFFSET if self.calibration == "marked" else 0.0
         for frame in real_walk(pictures, 0):
-            view = (
-                frame.view if self.calibrated else replace(frame.view, pitch=frame.view.pitch - PITCH_OFFSET)
-            )
-            seen = see(functions, frame.pixels, view, frame.farthest)
+            view = replace(frame.view, pitch=frame.view.pitch + offset)
+            seen = see(functions, frame.pixels, view, frame.farthest, own, self.joint)
             found.append(seen if self.compass else replace(seen, direction_sigma=float("inf")))
-        return found
+        return found, calibration
 
 
 # Name: how the walk is read, and the class of lesson 11's solution; None: odometry.
@@ -76,8 +85,11 @@ VARIANTS: dict[str, tuple[Options, str | None]] = {
     "odometry alone": (Options(), None),
     "EKF": (Options(), "EkfSlam"),
     "graph": (Options(), "GraphSlam"),
+    "EKF, joint update": (Options(joint=True), "EkfSlam"),
     "EKF, no compass": (Options(compass=False), "EkfSlam"),
-    "EKF, camera angles from the joints only": (Options(calibrated=False), "EkfSlam"),
+    "EKF, offset from marked points": (Options(calibration="marked"), "EkfSlam"),
+    "EKF, joint update, offset from marked points": (Options(calibration="marked", joint=True), "EkfSlam"),
+    "EKF, camera angles from the joints only": (Options(calibration="none"), "EkfSlam"),
     "odometry alone, headings as recorded": (Options(marked_headings=False), None),
     "EKF, headings as recorded": (Options(marked_headings=False), "EkfSlam"),
     "graph, headings as recorded": (Options(marked_headings=False), "GraphSlam"),
@@ -103,11 +115,16 @@ class Walked:
         return float(np.hypot(*self.error[:2]))
 
 
-def maker(classes: Classes, name: str | None) -> Make:
-    """Return a factory of the algorithm of a walk, as in the demo."""
+def maker(classes: Classes, name: str | None, joint: bool = False) -> Make:
+    """Return a factory of the algorithm of a walk, as in the demo, or with a joint update."""
     if name is None:
         return DeadReckoning
-    return lambda start: classes[name](start, OdometryNoisePerMove(), GATE, associate_jointly)
+
+    def make(start: Pose) -> SlamAlgorithm:
+        inner = classes[name](start, OdometryNoisePerMove(), GATE, associate_jointly)
+        return JointUpdate(cast(JointFilter, inner), FACTORS) if joint else inner
+
+    return make
 
 
 def walk(
@@ -160,19 +177,21 @@ def main() -> Result:
     pictures = read_pictures("straightwalk")
     functions = demo_functions((), ROOT / "solutions")
     classes = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
-    seen: dict[Options, list[Observation]] = {}
+    read: dict[Options, tuple[list[Observation], CameraCalibration]] = {}
     walks: dict[str, list[Walked]] = {}
     for name, (options, algorithm) in VARIANTS.items():
-        seen_by = replace(options, marked_headings=True)  # which no picture shows
-        if seen_by not in seen:
-            seen[seen_by] = options.observations(functions, pictures)
-        make = maker(classes, algorithm)
-        walks[name] = [walk(pictures, seed, seen[seen_by], options, make) for seed in SEEDS]
+        seen_by = replace(options, marked_headings=True)  # no picture depends on the true headings
+        if seen_by not in read:
+            read[seen_by] = options.observations(functions, pictures)
+        make = maker(classes, algorithm, options.joint)
+        walks[name] = [walk(pictures, seed, read[seen_by][0], options, make) for seed in SEEDS]
     found = {name: summary(each) for name, each in walks.items()}
     shown = SEEDS.index(SHOWN)
     frames = walks["EKF"][shown].frames
-    told, off_course = compass_readings(frames, seen[Options()])
-    measured = [each.kind for of in seen[Options()] for each in of]
+    seen, calibration = read[Options()]
+    told, off_course = compass_readings(frames, seen)
+    measured = [each.kind for of in seen for each in of]
+    estimated, sigmas = np.degrees([calibration.mean, np.sqrt(np.diag(calibration.covariance))]).tolist()
     headings = np.degrees([frame.pose.theta for frame in frames])
     values: dict[str, Any] = {
         "variants": found,
@@ -180,11 +199,13 @@ def main() -> Result:
         "compass readings": told,
         "of these more than 10 degrees off": off_course,
         **{f"{kind}s measured": measured.count(kind) for kind in KINDS},
-        "pictures with a measurement": sum(len(of) > 0 for of in seen[Options()]),
+        "pictures with a measurement": sum(len(of) > 0 for of in seen),
         "largest heading by the marked points, degrees": float(np.abs(headings).max()),
-        "pitch offset by the first picture, degrees": calibration(pictures),
+        "pitch offset by the first picture, degrees": marked_offset(pictures),
+        "own estimate of the offset, degrees": dict(zip(("pitch", "roll"), estimated, strict=True)),
+        "its standard deviations, degrees": dict(zip(("pitch", "roll"), sigmas, strict=True)),
     }
-    _draw_pictures(frames, seen[Options()])
+    _draw_pictures(frames, seen, calibration)
     columns = ("variant", "off m", "95 %", "worst", "along", "across", "heading °", "NEES")
     keys = (
         "position",
@@ -203,7 +224,7 @@ def main() -> Result:
     return Result("field_walk", values, (table,), notes)
 
 
-def calibration(pictures: Sequence[RealPicture]) -> float:
+def marked_offset(pictures: Sequence[RealPicture]) -> float:
     """Return the constant offset of the camera by the walk's first picture, whose pose is known; degrees."""
     return float(np.degrees(offset_of(marked(corrected_walk(pictures))[:1])))
 
@@ -221,7 +242,7 @@ def draw_maps() -> bytes:
         If the recorded pictures are not here.
     """
     pictures = read_pictures("straightwalk")
-    seen = Options().observations(demo_functions((), ROOT / "solutions"), pictures)
+    seen, _ = Options().observations(demo_functions((), ROOT / "solutions"), pictures)
     classes = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
     makers = {name: maker(classes, VARIANTS[name][1]) for name in ("odometry alone", "EKF", "graph")}
     walks = {name: walk(pictures, SHOWN, seen, Options(), make) for name, make in makers.items()}
@@ -250,19 +271,22 @@ def draw_maps() -> bytes:
     return png.getvalue()
 
 
-def _draw_pictures(frames: Sequence[Frame], seen: Sequence[Observation]) -> None:
-    """Draw some pictures with the field as seen by the assumed camera, and with the measurements."""
+def _draw_pictures(
+    frames: Sequence[Frame], seen: Sequence[Observation], calibration: CameraCalibration
+) -> None:
+    """Draw some pictures with the field as seen by the calibrated camera, and with the measurements."""
     figure = Figure(figsize=(15, 8), layout="constrained")
     for ax, number in zip(figure.subplots(2, 3).flat, DRAWN, strict=True):
         frame = frames[number]
+        view = calibration.corrected(frame.view)
         ax.imshow(frame.pixels)
-        camera = frame.pose.to_parent(frame.view.position[:2])[0]
+        camera = frame.pose.to_parent(view.position[:2])[0]
         for curve in field_curves(FIELD, camera)[LINE_COLOUR]:
-            ax.plot(*frame.view.project(curve, frame.pose).T, color=LINE_COLOUR, linewidth=0.8)
+            ax.plot(*view.project(curve, frame.pose).T, color=LINE_COLOUR, linewidth=0.8)
         for each in seen[number]:
             place = each.range * np.array([[np.cos(each.bearing), np.sin(each.bearing)]])
             marker = LANDMARK_MARKERS[each.kind]
-            ax.plot(*frame.view.project(place)[0], marker, color="#cc0066", fillstyle="none", markersize=11)
+            ax.plot(*view.project(place)[0], marker, color="#cc0066", fillstyle="none", markersize=11)
         ax.set(xlim=(0, 319), ylim=(239, 0), xticks=[], yticks=[], title=f"picture {number + 1}")
     BUILD.mkdir(exist_ok=True)
     figure.savefig(BUILD / "field_walk.jpg", dpi=90)

@@ -1,15 +1,17 @@
 """SLAM on the field from camera pictures: measurements with their covariance, data association, and whole drives.
 
-Each picture becomes an `Observation`: bearings and ranges of corners and posts (`lines`, `observation`), the body tilt
-and the heading from the field's lines (`compass`), and the centre circle (`circle`). `association` assigns measurements
-to landmarks. `joint_update` and `surest_first` wrap a SLAM algorithm, and `adaptive_noise` estimates the noise of the
-odometry. `drives` and `walk` provide simulated and real
-pictures. `demo` runs everything together: the robot drives over the field and maps it (``nao-course demo``).
+Each picture becomes an `Observation`: bearings and ranges of corners and posts (`lines`, `observation`), the body
+tilt and the heading from the field's lines (`compass`), and the centre circle (`circle`). `association` assigns
+measurements to landmarks. `calibration` estimates the constant offset of a real camera. `joint_update` and
+`surest_first` wrap a SLAM algorithm, and `adaptive_noise` estimates the noise of the odometry. `drives` and `walk`
+provide simulated and real pictures. `demo` runs everything together: the robot drives over the field and maps it
+(``nao-course demo``).
 """
 
 __all__ = [
     "adaptive_noise",
     "association",
+    "calibration",
     "circle",
     "compass",
     "demo",

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import block_diag
 
 from nao_course.field_slam.lines import to_ground
-from nao_course.field_slam.observation import TILT_SIGMAS, tilted
+from nao_course.field_slam.observation import TILT_SIGMAS, tilt_covariance, tilted
 from nao_course.geometry import FloatArray
 from nao_course.sim import CameraView
 
@@ -71,7 +72,7 @@ def wrap_quarter(angle: npt.ArrayLike) -> FloatArray:
 def tilt_from_lines(
     lines: npt.ArrayLike,
     view: CameraView,
-    sigmas: tuple[float, float] = TILT_SIGMAS,
+    sigmas: npt.ArrayLike = TILT_SIGMAS,
     least_support: float = LEAST_SUPPORT,
     least_length: float = LEAST_LENGTH,
 ) -> BodyTilt:
@@ -83,8 +84,8 @@ def tilt_from_lines(
         Lines (u1, v1, u2, v2) in px, as `read_lines` returns them: with subpixel accuracy and without lens distortion.
     view : CameraView
         View of the camera if the body were upright.
-    sigmas : (float, float)
-        Standard deviations of pitch and roll before the picture is used, rad.
+    sigmas : array_like, shape (2,) or (2, 2)
+        Standard deviations of pitch and roll before the picture is used, rad, or their covariance, rad^2.
     least_support : float
         Least value of `support`, m, for an estimate that is used.
     least_length : float
@@ -97,7 +98,7 @@ def tilt_from_lines(
         direction that may have any value.
     """
     ends = np.asarray(lines, dtype=float).reshape(-1, 4)
-    prior = np.array(sigmas)
+    prior = tilt_covariance(sigmas)
     length = ground_lengths(ends, view)
     normals = line_normals(ends, view)
     sd = np.where(length >= least_length, direction_sigmas(ends, view), np.nan)
@@ -106,7 +107,7 @@ def tilt_from_lines(
     normals, sd = normals[best], sd[best]
     outlier = np.array(OUTLIER_PROBABILITIES)[np.searchsorted(LENGTHS, length[best])]
     starts = _starts(normals, sd, outlier, prior)
-    unknown = BodyTilt(0.0, 0.0, 0.0, np.diag([*prior**2, QUARTER**2 / 12]))
+    unknown = BodyTilt(0.0, 0.0, 0.0, block_diag(prior, QUARTER**2 / 12))
     if not len(starts):
         return unknown
     states, covariances, costs = _refine(normals, sd, outlier, prior, starts)
@@ -220,13 +221,14 @@ def _starts(normals: FloatArray, sd: FloatArray, outlier: FloatArray, prior: Flo
 
     The grid has the tilts of GRID, and for each of them the directions of the first lines.
     """
-    pitch, roll = (each.ravel() for each in np.meshgrid(*(GRID * each for each in prior), indexing="ij"))
+    grid = np.stack([each.ravel() for each in np.meshgrid(GRID, GRID, indexing="ij")])
+    pitch, roll = np.linalg.cholesky(prior) @ grid
     directions = line_directions(normals, pitch, roll)  # (grid, N)
     tried = directions[:, :MOST_STARTS]
     cost = _cost(wrap_quarter(directions[:, None] - tried[..., None]), sd, outlier)  # (grid, tried)
-    cost = (cost + ((pitch / prior[0]) ** 2 + (roll / prior[1]) ** 2)[:, None]).ravel()
+    cost = (cost + (grid**2).sum(axis=0)[:, None]).ravel()
     states = np.stack(np.broadcast_arrays(pitch[:, None], roll[:, None], tried), axis=-1).reshape(-1, 3)
-    near = np.array([*1.2 * prior, np.radians(8.0)])
+    near = np.array([*1.2 * np.sqrt(np.diag(prior)), np.radians(8.0)])
     kept: list[FloatArray] = []
     while len(kept) < MODES and len(states):
         kept.append(states[cost.argmin()])
@@ -241,7 +243,7 @@ def _refine(
     normals: FloatArray, sd: FloatArray, outlier: FloatArray, prior: FloatArray, states: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Optimise states (K, 3) by robust Gauss-Newton; return states, covariances (K, 3, 3) and costs (K,)."""
-    prior_information = np.diag([*prior**-2.0, 1e-6])
+    prior_information = block_diag(np.linalg.inv(prior), 1e-6)
     for _ in range(STEPS):
         residual, J = _residuals(normals, states)
         inlier, other = _likelihoods(residual, sd, outlier)
@@ -254,7 +256,8 @@ def _refine(
         change = np.linalg.solve(information, gradient[..., None])[..., 0]
         states = states - np.clip(change, -LARGEST_STEP, LARGEST_STEP)
     residual, _ = _residuals(normals, states)
-    cost = _cost(residual, sd, outlier) + ((states[:, :2] / prior) ** 2).sum(axis=1)
+    tilts = states[:, :2]
+    cost = _cost(residual, sd, outlier) + (tilts @ prior_information[:2, :2] * tilts).sum(axis=1)
     return states, np.linalg.inv(information), cost
 
 

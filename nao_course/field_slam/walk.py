@@ -16,9 +16,9 @@ from nao_course.geometry import FloatArray, Pose
 from nao_course.sim import NAO_V4, CameraView, Field
 from nao_course.slam import Motion
 
-# The recordings have two known errors (docs/real_data.md). The camera looks lower than its joints report: the offset
-# follows from the marked points of the walk's first picture, where the robot knows its pose. The first pictures were
-# taken one stop farther back than was written down.
+# The recordings have two known errors (docs/real_data.md). The camera looks lower than its joints report: this offset
+# follows from the marked points of the walk's first picture, and only the true headings are computed with it. The first
+# pictures were taken one stop farther back than was written down.
 PITCH_OFFSET = float(np.radians(6.9))
 BEFORE_THE_GAP, STOP = 7, 0.2  # number of these first pictures; distance between two stops, m
 FIELD = Field(2012, half=False)
@@ -46,6 +46,8 @@ class Frame:
         True pose in the field frame.
     farthest : float
         Largest range of a measurement that is used, m.
+    calibrated : bool
+        Whether the assumed view is right except for the body's sway. Otherwise the camera has a constant offset, too.
     """
 
     motion: Motion | None
@@ -53,6 +55,7 @@ class Frame:
     view: CameraView
     pose: Pose
     farthest: float = 6.0
+    calibrated: bool = True
 
 
 def real_walk(pictures: Sequence[RealPicture], seed: int, marked_headings: bool = True) -> Iterator[Frame]:
@@ -70,7 +73,7 @@ def real_walk(pictures: Sequence[RealPicture], seed: int, marked_headings: bool 
     Yields
     ------
     Frame
-        A frame for each picture.
+        A frame for each picture. Its view follows from the head's joints and is not calibrated.
     """
     rng, odometry = np.random.default_rng([seed, 31]), OdometryNoisePerMove()
     before: Pose | None = None
@@ -78,15 +81,17 @@ def real_walk(pictures: Sequence[RealPicture], seed: int, marked_headings: bool 
         back = STOP if number < BEFORE_THE_GAP else 0.0
         pose, view = replace(picture.pose, x=picture.pose.x - back), walk_view(picture)
         if marked_headings:
-            pose = replace(pose, theta=marked_heading(picture, view, pose))
-        yield Frame(_step(before, pose, odometry, rng), picture.pixels, view, pose, FARTHEST)
+            lower = replace(view, pitch=view.pitch + PITCH_OFFSET)
+            pose = replace(pose, theta=marked_heading(picture, lower, pose))
+        yield Frame(
+            _step(before, pose, odometry, rng), picture.pixels, view, pose, FARTHEST, calibrated=False
+        )
         before = pose
 
 
 def walk_view(picture: RealPicture) -> CameraView:
-    """Return the assumed view of the camera, corrected by the known offset in pitch."""
-    view = NAO_V4.view("bottom", picture.head_yaw, picture.head_pitch)
-    return replace(view, pitch=view.pitch + PITCH_OFFSET)
+    """Return the view of the camera that follows from the head's joints."""
+    return NAO_V4.view("bottom", picture.head_yaw, picture.head_pitch)
 
 
 @lru_cache(maxsize=128)

@@ -108,5 +108,5 @@ def test_the_camera_looks_as_low_as_the_walks_first_picture_says(data_dir, monke
     from benchmarks.field import field_walk
     from nao_course.datasets import read_pictures
 
-    offset = field_walk.calibration(read_pictures("straightwalk", data_dir))
+    offset = field_walk.marked_offset(read_pictures("straightwalk", data_dir))
     assert np.degrees(walk.PITCH_OFFSET) == pytest.approx(offset, abs=0.1)

@@ -14,10 +14,12 @@ import numpy.typing as npt
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.datasets import read_pictures
 from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.calibration import CameraCalibration
 from nao_course.field_slam.compass import tilt_from_lines
 from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field
+from nao_course.field_slam.joint_update import scene
 from nao_course.field_slam.lines import corners_of_lines, read_lines
-from nao_course.field_slam.observation import POST_SIGMA, Observation, observation, tilted
+from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observation, observation, tilted
 from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.field_slam.walk import Frame, real_walk
 from nao_course.geometry import Pose
@@ -92,7 +94,12 @@ def route(seed: int, walk: Path | None = None) -> tuple[Iterator[Frame], int, Fi
 
 
 def see(
-    functions: Functions, pixels: npt.NDArray[np.uint8], view: CameraView, farthest: float = FARTHEST
+    functions: Functions,
+    pixels: npt.NDArray[np.uint8],
+    view: CameraView,
+    farthest: float = FARTHEST,
+    calibration: CameraCalibration | None = None,
+    joint: bool = False,
 ) -> Observation:
     """Make an observation from a picture with the student's functions and the library's detection of lines.
 
@@ -106,17 +113,26 @@ def see(
         Assumed view of the camera.
     farthest : float
         Largest range of a measurement that is used, m.
+    calibration : CameraCalibration, optional
+        Estimate of the camera's offset from the view. It is updated with the picture before the picture is measured.
+    joint : bool
+        Whether to return a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
     """
     white = functions["white_threshold"](mean_lightness(pixels))
     labels = functions["color_labels"](pixels, GREEN, YELLOW, white)
     posts = functions["find_goalposts"](labels)
-    lines = read_lines(pixels, view)
-    tilt = tilt_from_lines(lines, view)
+    prior: npt.ArrayLike = TILT_SIGMAS
+    lines = read_lines(pixels, calibration.reading_view(view) if calibration else view)
+    if calibration:
+        calibration.update(lines, posts, view)
+        view, prior = calibration.corrected(view), calibration.tilt_covariance(view)
+    tilt = tilt_from_lines(lines, view, prior)
     level = tilted(view, tilt.pitch, tilt.roll)
     found = functions["measurements_from_pixels"](posts, corners_of_lines(lines, level), level)
     near = [each for each in found if each.range < farthest]
     compass = tilt.direction, tilt.direction_sigma
-    return observation(near, tilt.covariance[:2, :2], CORNER_SIGMA, *compass, POST_SIGMA)
+    seen = observation(near, tilt.covariance[:2, :2], CORNER_SIGMA, *compass, POST_SIGMA)
+    return scene(seen, tilt, lines, level) if joint else seen
 
 
 def demo_functions(slam: Sequence[str], notebooks: Path) -> Functions:
@@ -166,10 +182,12 @@ def run_demo(functions: Functions, frames: Iterable[Frame], slam: Sequence[str])
         Record of the drive.
     """
     story = Story(estimates={name: [] for name in slam}, slam={name: [] for name in slam})
+    calibration: CameraCalibration | None = None
     algorithms: dict[str, SlamAlgorithm] = {}
     for stop in _stops(frames):
         first, motion = stop[0], stop[0].motion
         if not algorithms:
+            calibration = None if first.calibrated else CameraCalibration()
             kinds = {name: functions[ALGORITHMS[name].partition(":")[2]] for name in slam}
             algorithms = {
                 name: SurestFirst(kind(first.pose, OdometryNoisePerMove(), GATE, associate_jointly))
@@ -180,7 +198,7 @@ def run_demo(functions: Functions, frames: Iterable[Frame], slam: Sequence[str])
         observed = []
         for frame in stop:
             began = time.perf_counter()
-            observed.append(see(functions, frame.pixels, frame.view, frame.farthest))
+            observed.append(see(functions, frame.pixels, frame.view, frame.farthest, calibration))
             story.vision.append(time.perf_counter() - began)
         story.frames += stop
         story.seen += observed
