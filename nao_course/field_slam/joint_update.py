@@ -22,7 +22,7 @@ from nao_course.field_slam.circle import Circle, find_circle
 from nao_course.field_slam.compass import AGREES, BodyTilt, wrap_quarter
 from nao_course.field_slam.lines import to_ground
 from nao_course.field_slam.observation import CAMERA_HEIGHT, FOCAL, Observation, as_observation, tilt_jacobian
-from nao_course.geometry import FloatArray, rotation_2d, wrap_angle
+from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
 from nao_course.sim import CameraView
 from nao_course.slam import Estimate, LandmarkKind, Measurement, Motion, SlamAlgorithm
 
@@ -215,6 +215,23 @@ class JointUpdate(SlamAlgorithm):
             landmark_covariances=np.asarray(found.landmark_covariances).reshape(-1, 2, 2)[kept],
             kinds=tuple(kind for kind in self.inner.kinds if kind != INTERNAL),
         )
+
+    @property
+    def lines(self) -> dict[int, int]:
+        """Axis of each line by the number of its landmark: 0 if the line is x = c, 1 if it is y = c."""
+        return dict(self._axes)
+
+    @property
+    def circle(self) -> int | None:
+        """Number of the landmark that is the circle's centre; None if the circle is not on the map."""
+        return self._circle
+
+    def place(self, pose: Pose, covariance: FloatArray) -> None:
+        """Put the robot elsewhere on the map, with a covariance (3, 3) that is independent of the map's."""
+        self._last = None
+        self.inner.state[:3] = pose.as_array()
+        self.inner.covariance[:3], self.inner.covariance[:, :3] = 0.0, 0.0
+        self.inner.covariance[:3, :3] = covariance
 
     def _estimate_noise(self, seen: Observation) -> None:
         """Estimate the odometry's noise if the first picture after a motion has a compass, and predict again."""

@@ -1,0 +1,193 @@
+"""A wrapper that notices when the robot was carried away, and that finds the robot's pose on the map again.
+
+There are two explanations of the pictures of a stop. Either the robot is where the filter predicts it, or it is
+anywhere on the field, which a grid of poses represents. Their probabilities are updated with each stop by Bayes' rule.
+A small probability of a kidnapping flows from the filter to the grid before each stop, so no decision is final.
+
+References
+----------
+S. Thrun, W. Burgard, D. Fox, *Probabilistic Robotics*, MIT Press, 2005: sections 7.1 and 8.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nao_course.field_slam.compass import wrap_quarter
+from nao_course.field_slam.joint_update import JointUpdate
+from nao_course.field_slam.kidnapping.grid import SMOOTHING, Area, PoseGrid, compass_likelihood
+from nao_course.field_slam.kidnapping.likelihood import KnownMap, StopView, log_likelihood
+from nao_course.field_slam.observation import Observation, as_observation
+from nao_course.geometry import Pose
+from nao_course.sim import Field
+from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm
+
+_LENGTH, _WIDTH = Field(2012).dimensions.length, Field(2012).dimensions.width
+AREA: Area = ((0.0, -_WIDTH / 2), (_LENGTH / 2, _WIDTH / 2))  # m: the half field
+HALF_VIEW = 1.2  # rad: the three pictures of a stop show nearly everything up to this bearing
+KIDNAPPED = 1e-3  # probability that the robot is carried away before a stop
+LOST = 0.95  # the robot is lost if the probability of the grid is larger
+FOUND = 0.99  # least probability of the hypothesis that ends the search
+# Number of stops before the first test: until then, the robot is mostly surrounded by things that are not on its map,
+# and a place on the map that is similar by chance would explain them better.
+LEAST_STOPS = 15
+TRUSTED = 1e-3  # a map is kept as a copy to return to if the probability of the grid is smaller
+POSITION_SIGMA = 0.05  # m: is added to a hypothesis, because the same pictures correct it again
+# Points of the filter's Gaussian at which the likelihood of a stop is averaged, in standard deviations.
+NODES = np.linspace(-2.5, 2.5, 7)
+
+
+@dataclass(frozen=True, eq=False)
+class _Belief:
+    """The filter with its probability, and the grid with the remaining probability.
+
+    Parameters
+    ----------
+    slam : JointUpdate
+        The filter. While the robot is lost, its map is used and its pose is not.
+    trusted : JointUpdate
+        Copy of the filter from the last stop at which the robot was certainly not lost.
+    tracked : float
+        Probability that the filter is right; 0 while the robot is lost.
+    grid : PoseGrid
+        Probabilities of all other poses.
+    stops : int
+        Number of motions so far.
+    kidnappings : int
+        How often the robot has noticed that the filter's pose was wrong.
+    """
+
+    slam: JointUpdate
+    trusted: JointUpdate
+    tracked: float
+    grid: PoseGrid
+    stops: int = 0
+    kidnappings: int = 0
+
+
+class KidnapRecovery(SlamAlgorithm):
+    """Notice a kidnapping within few stops, find the pose on the map again, and continue with the filter.
+
+    The pictures of a stop are used together when the next motion is commanded, the one with the most certain compass
+    first, as `SurestFirst` does. While the robot is lost, its map does not change. A robot with an almost empty map
+    cannot notice a kidnapping. Stops without a compass are not tested, because the grid needs the heading.
+
+    Parameters
+    ----------
+    inner : JointUpdate
+        Filter. Nobody else may use it.
+    area : ((float, float), (float, float))
+        Lower left and upper right corner of the area where the robot can be, m in the map frame.
+    half_view : float
+        Largest bearing at which the pictures of a stop show a landmark, rad.
+    """
+
+    def __init__(self, inner: JointUpdate, area: Area = AREA, half_view: float = HALF_VIEW) -> None:
+        """Start with a filter that is certainly right."""
+        self._half_view = half_view
+        self._belief = _Belief(inner, deepcopy(inner), 1.0, PoseGrid.empty(area))
+        self._pictures: list[Observation] = []
+        self._updated: _Belief | None = None
+
+    @property
+    def lost(self) -> bool:
+        """Whether the robot does not know where it is."""
+        return self._after_pictures().tracked == 0
+
+    @property
+    def kidnappings(self) -> int:
+        """How often the robot has noticed that its pose was wrong."""
+        return self._after_pictures().kidnappings
+
+    def move(self, motion: Motion) -> None:
+        """Update with the stop's pictures, then predict."""
+        belief = self._after_pictures()
+        self._pictures, self._updated = [], None
+        grid = belief.grid.moved(motion, belief.slam.odometry.covariance(motion))
+        if belief.tracked:
+            belief.slam.move(motion)
+        self._belief = replace(belief, grid=grid, stops=belief.stops + 1)
+
+    def observe(self, measurements: Sequence[Measurement]) -> None:
+        """Keep a picture until the stop is over."""
+        self._pictures.append(as_observation(measurements))
+        self._updated = None
+
+    def estimate(self) -> Estimate:
+        """Return the estimate after all pictures so far; the most probable pose of the grid while the robot is lost."""
+        belief = self._after_pictures()
+        found = belief.slam.estimate()
+        if belief.tracked:
+            return found
+        mean, _, _ = belief.grid.best()
+        return replace(found, pose=Pose.from_array(mean), covariance=belief.grid.covariance(mean))
+
+    def _after_pictures(self) -> _Belief:
+        """Return the belief after the stop's pictures; its filter is a copy."""
+        if self._updated is None:
+            stop = StopView.of(self._pictures)
+            belief = self._belief
+            if np.isfinite(stop.heading_sigma):
+                belief = self._compare(stop) if belief.stops >= LEAST_STOPS else belief
+                self._updated = self._decide(belief)
+            else:
+                slam = self._with_pictures(belief.slam) if belief.tracked else belief.slam
+                self._updated = replace(belief, slam=slam)
+        return self._updated
+
+    def _compare(self, stop: StopView) -> _Belief:
+        """Return the belief whose probabilities, but not whose filter, are updated with a stop."""
+        belief, known = self._belief, KnownMap.of(self._belief.trusted)
+        grid = belief.grid.aligned(stop).plus_uniform(KIDNAPPED)
+        anywhere = grid.log_likelihood(stop, known, self._half_view)
+        there = self._log_likelihood(stop, known) if belief.tracked else -np.inf
+        highest = max(there, float(anywhere.max()))
+        tracked = (1 - KIDNAPPED) * belief.tracked * float(np.exp(there - highest))
+        weights = grid.weights * np.exp(anywhere - highest)
+        total = tracked + float(weights.sum())
+        return replace(belief, tracked=tracked / total, grid=replace(grid, weights=weights / total))
+
+    def _decide(self, belief: _Belief) -> _Belief:
+        """Return the belief after a decision: keep the filter, give it up, or put it where the robot was found."""
+        grid = belief.grid
+        if belief.tracked and grid.total <= LOST:
+            slam = self._with_pictures(belief.slam)
+            safe = grid.total < TRUSTED
+            return replace(belief, slam=slam, trusted=deepcopy(slam) if safe else belief.trusted)
+        noticed = belief.kidnappings + int(belief.tracked > 0)
+        grid = replace(grid, weights=grid.weights / grid.total)
+        mean, covariance, members = grid.best()
+        found = float(grid.weights[members].sum())
+        if found < FOUND:
+            return _Belief(belief.trusted, belief.trusted, 0.0, grid, belief.stops, noticed)
+        slam = deepcopy(belief.trusted)
+        covariance[:2, :2] += POSITION_SIGMA**2 * np.eye(2)
+        slam.place(Pose.from_array(mean), covariance)
+        others = replace(grid, weights=np.where(members, 0.0, grid.weights))
+        return _Belief(self._with_pictures(slam), belief.trusted, found, others, belief.stops, noticed)
+
+    def _with_pictures(self, slam: JointUpdate) -> JointUpdate:
+        """Return a copy of a filter that is updated with the stop's pictures."""
+        slam = deepcopy(slam)
+        for each in sorted(self._pictures, key=lambda one: one.direction_sigma):
+            slam.observe(each)
+        return slam
+
+    def _log_likelihood(self, stop: StopView, known: KnownMap) -> float:
+        """Return the log-likelihood of a stop if the filter is right, averaged over the filter's Gaussian."""
+        inner = self._belief.slam.inner
+        mean, P = inner.state[:3], inner.covariance[:3, :3]
+        innovation, S = float(wrap_quarter(stop.heading - mean[2])), P[2, 2] + stop.heading_sigma**2
+        gain = P[:, 2] / S
+        mean, P = mean + gain * innovation, P - np.outer(gain, P[2])
+        variances, axes = np.linalg.eigh(P[:2, :2])
+        nodes = np.stack(np.meshgrid(NODES, NODES), axis=-1).reshape(-1, 2)
+        positions = mean[:2] + nodes * np.sqrt(np.maximum(variances, 0.0)) @ axes.T
+        weights = np.exp(-0.5 * (nodes**2).sum(axis=1))
+        each = log_likelihood(stop, known, float(mean[2]), positions, SMOOTHING, self._half_view)
+        average = np.log(weights @ np.exp(each - each.max()) / weights.sum()) + each.max()
+        return float(np.log(compass_likelihood(innovation, S)) + average)

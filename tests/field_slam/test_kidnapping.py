@@ -1,0 +1,349 @@
+"""A robot that is carried away: it notices, stays undecided where it has to, and finds its pose on the map again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.circle import Circle
+from nao_course.field_slam.compass import QUARTER, wrap_quarter
+from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, Scene
+from nao_course.field_slam.kidnapping import recovery
+from nao_course.field_slam.kidnapping.grid import CELL, PoseGrid, compass_likelihood
+from nao_course.field_slam.kidnapping.likelihood import KnownMap, StopView, log_likelihood
+from nao_course.field_slam.kidnapping.recovery import LEAST_STOPS, KidnapRecovery
+from nao_course.field_slam.observation import observation
+from nao_course.field_slam.surest_first import SurestFirst
+from nao_course.geometry import Pose, wrap_angle
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.sim import Field
+from nao_course.slam import Measurement, Motion, range_and_bearing
+from tests.paths import SOLUTIONS
+
+PLACES = [(mark.x, mark.y, mark.detected_as) for mark in Field(2012).landmarks if mark.detected_as]
+# It looks the same after half a turn about the origin.
+SYMMETRIC = [
+    (sign * x, sign * y, "corner")
+    for x, y in ((1.2, 0.5), (0.3, 1.4), (-1.0, 1.1), (1.7, -0.9), (0.5, -1.8))
+    for sign in (1, -1)
+]
+CARRIED_TO = Pose(0.9, 0.3, 1.0)
+AROUND = ((-2.0, -2.0), (2.0, 2.0))
+LOOP = Motion(0.15, 0.25)  # 25 of these are a circle with a diameter of 1.2 m
+START = Pose(1.5, -0.6, 0.0)
+STOPS = 27
+
+
+def pictures(pose: Pose, places=PLACES, farthest=4.0):
+    """Return the exact picture of all landmarks within 1.2 rad and some range, and an exact compass."""
+    found = []
+    for x, y, kind in places:
+        bearing, away = range_and_bearing(pose.as_array(), (x, y))
+        if abs(bearing) < 1.2 and 0.4 < away < farthest:
+            found.append(Measurement(float(bearing), float(away), kind))
+    direction = float(wrap_quarter(-pose.theta))
+    return observation(found, (0.01, 0.01), 0.5, direction, float(np.radians(0.5)))
+
+
+def drive(slam, pose: Pose, stops: int, places=PLACES) -> Pose:
+    """Drive a circle with odometry that makes no error, and take a picture at each stop."""
+    for _ in range(stops):
+        slam.move(LOOP)
+        pose = pose @ LOOP.as_pose()
+        slam.observe(pictures(pose, places))
+    return pose
+
+
+def off(slam, pose: Pose) -> float:
+    found = slam.estimate().pose
+    return float(np.hypot(found.x - pose.x, found.y - pose.y))
+
+
+@pytest.fixture(scope="module")
+def own():
+    return load_solution(SOLUTIONS / "11_slam_on_the_field.ipynb")
+
+
+@pytest.fixture
+def joint(own):
+    return lambda start: JointUpdate(own["EkfSlam"](start, OdometryNoisePerMove(), 4.0, associate_jointly))
+
+
+@pytest.fixture
+def mapped(joint):
+    """Return a robot that has driven a circle and mapped the landmarks around it, and its pose."""
+
+    def make(places=PLACES, start=START, area=recovery.AREA):
+        slam = KidnapRecovery(joint(start), area)
+        return slam, drive(slam, start, STOPS, places)
+
+    return make
+
+
+# --- a robot that nobody carries away ---
+
+
+def test_without_noise_nothing_is_noticed_and_the_filter_is_the_same_as_without_the_wrapper(joint):
+    slam, plain, pose = KidnapRecovery(joint(START)), SurestFirst(joint(START)), START
+    for _ in range(60):
+        pose = drive(slam, pose, 1)
+        plain.move(LOOP)
+        plain.observe(pictures(pose))
+        assert slam.kidnappings == 0 and not slam.lost
+        assert slam.estimate() == plain.estimate()
+    assert off(slam, pose) < 1e-3
+
+
+def test_what_is_estimated_does_not_depend_on_when_it_is_asked(joint):
+    slams = [KidnapRecovery(joint(START)) for _ in range(2)]
+    for stop in range(STOPS):
+        pose = START if stop < 20 else Pose(2.3, 1.2, 2.4)
+        for number, slam in enumerate(slams):
+            slam.move(Motion())
+            for sigma in (0.02, 0.01, np.inf):
+                slam.observe(replace(pictures(pose), direction_sigma=sigma))
+                if number:
+                    slam.estimate()
+    assert slams[0].estimate() == slams[1].estimate()
+    assert slams[0].kidnappings == slams[1].kidnappings == 1
+
+
+def test_a_robot_without_a_map_cannot_notice(joint):
+    slam = KidnapRecovery(joint(START))
+    pose = drive(slam, START, 5)
+    drive(slam, Pose(2.3, 1.2, pose.theta + 2.0), LEAST_STOPS - 7)
+    assert slam.kidnappings == 0
+
+
+# --- a robot that is carried away ---
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_kidnapping_is_noticed_within_two_stops_and_the_robot_is_back_within_five_more(mapped, seed):
+    slam, before = mapped()
+    rng = np.random.default_rng(seed)
+    while True:
+        pose = Pose(*rng.uniform((0.6, -1.4, -np.pi), (2.4, 1.4, np.pi)).tolist())
+        # It has to see something: a robot that looks at an empty part of the field cannot know where it is.
+        seen = [len(pictures(pose @ LOOP.as_pose())), len(pictures(pose @ LOOP.as_pose() @ LOOP.as_pose()))]
+        if np.hypot(pose.x - before.x, pose.y - before.y) > 0.5 and min(seen) > 1:
+            break
+    noticed = back = None
+    for stop in range(1, 8):
+        pose = drive(slam, pose, 1)
+        noticed = noticed or (stop if slam.kidnappings else None)
+        if noticed and back is None and not slam.lost and off(slam, pose) < 0.05:
+            back = stop
+    assert noticed is not None and noticed <= 2
+    assert back is not None and back - noticed <= 5
+    assert slam.kidnappings == 1 and off(slam, pose) < 0.05
+    turn = wrap_angle(slam.estimate().pose.theta - pose.theta)
+    assert abs(turn) < np.radians(1)
+
+
+def test_the_map_does_not_change_while_the_robot_is_lost(mapped):
+    slam, _ = mapped(SYMMETRIC, Pose(0.0, -0.6, 0.0), AROUND)
+    known = slam.estimate().landmarks
+    drive(slam, CARRIED_TO, 3, SYMMETRIC)
+    assert slam.lost
+    assert np.array_equal(slam.estimate().landmarks, known)
+
+
+def test_on_a_symmetric_map_the_robot_stays_undecided_and_says_how_uncertain_it_is(mapped):
+    slam, _ = mapped(SYMMETRIC, Pose(0.0, -0.6, 0.0), AROUND)
+    pose = drive(slam, CARRIED_TO, 1, SYMMETRIC)
+    for _ in range(10):
+        pose = drive(slam, pose, 1, SYMMETRIC)
+        assert slam.lost and slam.kidnappings == 1
+    # The two poses are mirror images of each other in the origin.
+    distance = 2 * np.hypot(pose.x, pose.y)
+    assert min(off(slam, pose), off(slam, Pose(-pose.x, -pose.y, 0.0))) < 0.05
+    covariance = slam.estimate().covariance
+    assert np.trace(covariance[:2, :2]) == pytest.approx(distance**2 / 2, rel=0.25)
+    assert covariance[2, 2] == pytest.approx(np.pi**2 / 2, rel=0.25)
+
+
+def test_a_landmark_that_breaks_the_symmetry_decides(mapped):
+    places = [*SYMMETRIC, (1.9, -1.9, "post")]
+    slam, _ = mapped(places, Pose(0.0, -0.6, 0.0), AROUND)
+    pose = drive(slam, CARRIED_TO, 20, places)
+    assert not slam.lost and off(slam, pose) < 0.05
+
+
+def test_a_wrong_commitment_is_taken_back(mapped, monkeypatch):
+    places = [*SYMMETRIC, (1.9, -1.9, "post")]
+    wrong = 0
+    for pose in (CARRIED_TO, Pose(0.0, 0.0, np.pi) @ CARRIED_TO):
+        slam, _ = mapped(places, Pose(0.0, -0.6, 0.0), AROUND)
+        known = slam.estimate().landmarks
+        monkeypatch.setattr(recovery, "FOUND", 0.4)  # it takes either of two equal hypotheses
+        away = drive(slam, pose, 3, SYMMETRIC)
+        assert slam.kidnappings and not slam.lost
+        wrong += off(slam, away) > 1.0
+        monkeypatch.undo()
+        pose = drive(slam, away, 12, places)
+        assert not slam.lost and off(slam, pose) < 0.05
+        assert len(slam.estimate().landmarks) == len(known)  # nothing of the wrong pose is left on the map
+    assert wrong == 1
+
+
+def test_a_stop_without_compass_or_landmarks_changes_no_decision(mapped):
+    slam, _ = mapped(SYMMETRIC, Pose(0.0, -0.6, 0.0), AROUND)
+    drive(slam, CARRIED_TO, 2, SYMMETRIC)
+    for _ in range(3):
+        slam.move(Motion())
+        slam.observe(observation([]))
+        assert slam.lost
+
+
+# --- the likelihood of a stop ---
+
+
+@pytest.fixture
+def known(mapped):
+    slam, _ = mapped()
+    return KnownMap.of(slam._after_pictures().slam)
+
+
+@pytest.mark.parametrize("pose", [Pose(1.0, 0.4, 0.2), Pose(2.0, -1.0, -2.8), Pose(0.7, 1.3, 1.0)])
+def test_no_other_position_is_as_likely_as_the_true_one(known, pose):
+    stop = StopView.of([pictures(pose)])
+    offsets = np.array([(0.0, 0.0), (0.3, 0.0), (0.0, 0.3), (-0.3, 0.0), (0.0, -0.3), (1.0, 1.0)])
+    positions = np.array([pose.x, pose.y]) + offsets
+    found = log_likelihood(stop, known, pose.theta, positions, 0.05, 1.2)
+    assert found.argmax() == 0
+    turned = log_likelihood(stop, known, pose.theta + np.pi, positions[:1], 0.05, 1.2)
+    assert turned[0] < found[0] - 5
+
+
+def test_a_landmark_that_should_be_seen_and_is_not_makes_a_pose_less_likely(known):
+    pose = Pose(1.0, 0.4, 0.2)
+    whole = pictures(pose)
+    there = np.array([[pose.x, pose.y]])
+    with_all = log_likelihood(StopView.of([whole]), known, pose.theta, there, 0.05, 1.2)
+    nothing = log_likelihood(StopView.of([whole.part([])]), known, pose.theta, there, 0.05, 1.2)
+    behind = log_likelihood(StopView.of([whole.part([])]), known, pose.theta, there, 0.05, 0.0)
+    assert nothing[0] < behind[0] == 0.0 < with_all[0]
+
+
+def test_a_line_and_the_circle_tell_the_position_across_them():
+    pose, R = Pose(1.3, 0.2, 0.4), np.diag([1e-4, 1e-4])
+    foot, centre = pose.to_local(np.array([[3.0, 0.2], [0.0, 0.0]]))
+    lines = np.array([[*foot, np.pi / 2 - pose.theta]])
+    seen = Scene(
+        (), np.zeros((0, 0)), float(wrap_quarter(-pose.theta)), 0.01, R, lines=lines,
+        circle=Circle(centre, np.zeros((2, 2))),
+    )  # fmt: skip
+    known = KnownMap(
+        np.zeros((1, 2)),
+        1e-4 * np.eye(2)[None],
+        ("centre",),
+        np.array([0, 1]),
+        np.array([3.0, 0.2]),
+        np.full(2, 1e-4),
+    )
+    positions = np.array([(1.3, 0.2), (1.3, 0.6), (1.6, 0.2)])
+    only_line = replace(seen, circle=None)
+    there, aside, nearer = log_likelihood(StopView.of([only_line]), known, pose.theta, positions, 0.05, 1.2)
+    assert there == pytest.approx(aside) and there > nearer + 2
+    found = log_likelihood(StopView.of([seen]), known, pose.theta, positions, 0.05, 1.2)
+    assert found[0] > found[1] + 2
+
+
+def test_two_pictures_of_one_thing_count_once_and_a_far_compass_not_at_all():
+    pose = Pose(1.0, 0.4, 0.2)
+    one = pictures(pose)
+    worse = replace(one, covariance=4 * one.covariance, direction=one.direction + 0.3, direction_sigma=0.02)
+    stop = StopView.of([worse, one])
+    assert len(stop.points) == len(one)
+    assert np.allclose(stop.covariances, StopView.of([one]).covariances)
+    assert stop.heading == pytest.approx(float(wrap_quarter(pose.theta)))
+    again = StopView.of([one, one])
+    assert again.heading_sigma == pytest.approx(one.direction_sigma / np.sqrt(2))
+
+
+# --- the grid ---
+
+
+def on_grid(x: float, y: float, quarter: int, heading: float = 0.0) -> PoseGrid:
+    grid = PoseGrid.empty(AROUND)
+    weights = grid.weights.copy()
+    nearest = np.hypot(*(grid.positions - (x, y)).T).argmin()
+    weights[quarter].ravel()[nearest] = 1.0
+    return replace(grid, weights=weights, heading=heading, heading_sigma=0.01)
+
+
+@pytest.mark.parametrize("quarter", range(4))
+def test_a_grid_moves_as_the_robot_does(quarter):
+    grid = on_grid(0.25, -0.35, quarter, 0.3)
+    noise = np.diag([0.02, 0.02, 0.05]) ** 2
+    for motion in (Motion(0.25, 0.4), Motion(0.2, -0.1)):
+        grid = grid.moved(motion, noise)
+    mean, covariance, _ = grid.best()
+    there = (
+        Pose(0.25, -0.35, 0.3 + quarter * QUARTER) @ Motion(0.25, 0.4).as_pose() @ Motion(0.2, -0.1).as_pose()
+    )
+    assert np.allclose(mean[:2], (there.x, there.y), atol=CELL / 4)
+    assert wrap_angle(mean[2] - there.theta) == pytest.approx(0.0, abs=1e-9)
+    assert grid.total == pytest.approx(1.0, abs=0.01)
+    assert covariance[2, 2] > 2 * 0.05**2
+
+
+def test_a_compass_that_contradicts_the_grid_makes_it_less_likely():
+    stop = StopView.of([observation([], direction=-0.1, direction_sigma=0.01)])
+    near, far = (on_grid(0.0, 0.0, 0, heading).aligned(stop) for heading in (0.1, 0.5))
+    assert near.total > 10 > 0.1 > far.total
+    for grid in (near, far):
+        assert grid.heading == pytest.approx(0.1) and grid.heading_sigma == 0.01
+    around = on_grid(0.0, 0.0, 0, QUARTER + 0.08).aligned(stop)  # the compass measures modulo 90 degrees
+    assert around.heading == pytest.approx(QUARTER + 0.1)
+
+
+def test_compass_likelihoods_average_to_one():
+    angles = np.linspace(-QUARTER / 2, QUARTER / 2, 2001)
+    each = [compass_likelihood(float(angle), 0.05**2) for angle in angles]
+    assert np.mean(each) == pytest.approx(1.0, abs=1e-3)
+    assert compass_likelihood(0.3, float("inf")) == 1.0
+
+
+def test_probability_that_is_added_is_uniform():
+    grid = on_grid(0.0, 0.0, 1).plus_uniform(0.5)
+    assert grid.total == pytest.approx(1.5)
+    assert np.ptp(np.sort(grid.weights.ravel())[:-1]) < 1e-15
+
+
+# --- the hook of the filter ---
+
+
+def test_a_filter_that_is_placed_keeps_its_map_and_forgets_what_the_pose_had_to_do_with_it(joint):
+    slam = joint(START)
+    drive(slam, START, 4)
+    before, n = slam.estimate(), len(slam.inner.state)
+    slam.place(Pose(1.0, 1.0, 1.0), 0.01 * np.eye(3))
+    after = slam.estimate()
+    assert np.array_equal(after.landmarks, before.landmarks)
+    assert np.array_equal(after.landmark_covariances, before.landmark_covariances)
+    assert after.pose == Pose(1.0, 1.0, 1.0)
+    assert np.array_equal(slam.inner.covariance[:3], np.eye(3, n) * 0.01)
+    assert np.array_equal(slam.inner.covariance[:, :3], np.eye(n, 3) * 0.01)
+
+
+def test_the_map_of_a_filter_is_its_points_and_lines(joint):
+    pose, slam = Pose(1.3, 0.1, 0.0), joint(Pose(1.3, 0.1, 0.0))
+    foot = pose.to_local(np.array([[3.0, 0.1]]))[0]
+    seen = pictures(pose)
+    slam.observe(
+        Scene(
+            seen.measurements, seen.covariance, 0.0, 1e-3, seen.tilt, lines=np.array([[*foot, np.pi / 2]]),
+            circle=Circle(pose.to_local(np.zeros((1, 2)))[0], np.zeros((2, 2))),
+        )
+    )  # fmt: skip
+    known = KnownMap.of(slam)
+    assert known.kinds.count("centre") == 1 and len(known.kinds) == len(seen) + 1
+    assert np.allclose(known.points[known.kinds.index("centre")], 0.0, atol=0.01)
+    assert known.axes.tolist() == [0] and known.places[0] == pytest.approx(3.0, abs=0.01)
+    assert slam.inner.kinds.count(INTERNAL) == 2
