@@ -24,7 +24,7 @@ PointKind = LandmarkKind | Literal["centre"]
 # Measurements that belong to nothing on the map: points per m^2, lines per m.
 CLUTTER: dict[PointKind, float] = {"corner": 0.05, "post": 0.03, "centre": 0.03}
 LINE_CLUTTER = 0.15
-# m: ranges at which a landmark of the map is nearly always detected.
+# m: ranges at which a landmark of the map is nearly always detected. The centre is detected by its circle, so never.
 VISIBLE: dict[PointKind, tuple[float, float]] = {
     "corner": (1.2, 2.5),
     "post": (1.2, 3.0),
@@ -33,10 +33,8 @@ VISIBLE: dict[PointKind, tuple[float, float]] = {
 DETECTED, ELSEWHERE = 0.9, 0.4  # probability of detection at these ranges, and at others
 LINE_DETECTED = 0.5
 WELL_KNOWN = 0.06  # m: a landmark with a larger standard deviation may not exist, so it is not missed
-SAME_POINT, SAME_LINE = (
-    0.3,
-    0.25,
-)  # m: measurements of two pictures of a stop that are nearer are the same thing
+# m: measurements of two pictures of a stop that are nearer than this belong to the same thing.
+SAME_POINT, SAME_LINE = 0.3, 0.25
 COMPASS_GATE = 4.0  # standard deviations, between the compasses of two pictures
 
 

@@ -99,6 +99,11 @@ class KidnapRecovery(SlamAlgorithm):
         return self._after_pictures().tracked == 0
 
     @property
+    def lost_probability(self) -> float:
+        """Probability that the robot is not where the filter estimates it."""
+        return 1.0 if self.lost else self._after_pictures().grid.total
+
+    @property
     def kidnappings(self) -> int:
         """How often the robot has noticed that its pose was wrong."""
         return self._after_pictures().kidnappings

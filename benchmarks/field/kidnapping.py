@@ -1,0 +1,257 @@
+"""A robot that is carried away during a drive: when it notices, when it is back, and how often it is wrong.
+
+``python -m benchmarks kidnapping`` uses the drives of ``field_slam``. A kidnapped robot sees the first stops of one
+drive and then the stops of another drive, from a place at least 0.5 m away. The motion between them is the usual one of
+the second drive, so nothing but the pictures shows that the robot was carried away. In an ordinary drive an alarm is
+false if the filter without `KidnapRecovery` is right at that stop.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from rich.progress import track
+
+from benchmarks import Result, Table
+from benchmarks.field.field_slam.algorithms import adaptive_update, surest_first
+from benchmarks.field.field_slam.detections import Seen, detections, prepare
+from benchmarks.field.field_slam.report import FRESH, WHOLE
+from benchmarks.field.field_slam.variants import Read
+from nao_course.field_slam.kidnapping.recovery import TRUSTED, KidnapRecovery
+from nao_course.field_slam.observation import Observation
+from nao_course.geometry import Pose, wrap_angle
+from nao_course.slam import Motion, SlamAlgorithm
+
+# The first hundred ordinary drives were used for tuning, and the others were not.
+ORDINARY = (*range(200, 300), *FRESH, *range(600, 700))
+FIRST, LAST = 20, 40  # the robot is carried away after at least and at most this many stops
+ELSEWHERE = 0.5  # m: least distance between the places
+AFTERWARDS = 15  # least number of stops after the robot was carried away
+SOON, MORE = 2, 5  # wanted: it notices within so many stops, and is back within so many more
+BACK = 0.05  # m: the robot is back if its error is smaller
+RIGHT = (0.15, float(np.radians(10)))  # m and rad: errors up to which a filter counts as right
+PICTURES = 3  # of a stop
+NEVER = 99
+
+Stop = Sequence[Seen]
+
+
+@dataclass(frozen=True)
+class Step:
+    """The state of the robot after a stop.
+
+    Parameters
+    ----------
+    error, turned : float
+        Errors of position and heading, m and rad.
+    lost : bool
+        Whether the robot does not know where it is.
+    alarms : int
+        How often it has noticed that it was carried away.
+    kept : bool
+        Whether it kept more than one hypothesis.
+    milliseconds : float
+        Time of the SLAM algorithm for each of the stop's pictures.
+    """
+
+    error: float
+    turned: float
+    lost: bool
+    alarms: int
+    kept: bool
+    milliseconds: float
+
+
+@dataclass(frozen=True)
+class Kidnapping:
+    """The result of one kidnapping; a number of stops is NEVER if it did not happen.
+
+    Parameters
+    ----------
+    noticed : int
+        Number of stops until the robot noticed, at least 1.
+    back : int
+        Number of stops from then until the error was smaller than BACK and the robot was not lost.
+    error, end : float
+        Error at the last stop at which it should be back, and at the end of the drive, m.
+    wrong : int
+        Number of stops after the alarm at which the robot was sure of a wrong pose.
+    early : int
+        Number of alarms before the kidnapping.
+    """
+
+    noticed: int
+    back: int
+    error: float
+    end: float
+    wrong: int
+    early: int
+
+    @property
+    def success(self) -> bool:
+        """Whether the robot noticed and was back in time, without an alarm before."""
+        return self.noticed <= SOON and self.back <= MORE and not self.early
+
+
+def stops_of(seed: int) -> list[Stop]:
+    """Return the stops of a drive."""
+    seen = detections(seed)
+    return [seen[first : first + PICTURES] for first in range(0, len(seen), PICTURES)]
+
+
+def spliced(seed: int, other: int) -> tuple[list[Stop], int]:
+    """Return the stops of a robot that is carried from one drive into another, and how many precede that."""
+    rng = np.random.default_rng([seed, 31])
+    drive, second = stops_of(seed), stops_of(other)
+    first = int(rng.integers(FIRST, LAST + 1))
+    here = drive[first][0].pose
+    far = [
+        number
+        for number in range(1, len(second) - AFTERWARDS)
+        if np.hypot(second[number][0].pose.x - here.x, second[number][0].pose.y - here.y) >= ELSEWHERE
+    ]
+    return [*drive[:first], *second[int(rng.choice(far)) :]], first
+
+
+def observed(stops: Sequence[Stop]) -> Iterator[tuple[Motion | None, Pose, list[Observation]]]:
+    """Yield the motion before each stop, the true pose and the observations."""
+    rng = np.random.default_rng(0)
+    for stop in stops:
+        yield stop[0].motion, stop[0].pose, [WHOLE(Read.of(seen), rng) for seen in stop]
+
+
+def steps(slam: SlamAlgorithm, stops: Sequence[Stop]) -> list[Step]:
+    """Run an algorithm over some stops."""
+    found = []
+    for motion, pose, observations in observed(stops):
+        began = time.thread_time()
+        if motion is not None:
+            slam.move(motion)
+        for each in observations:
+            slam.observe(each)
+        estimate = slam.estimate().pose
+        took = 1000 * (time.thread_time() - began) / PICTURES
+        error = float(np.hypot(estimate.x - pose.x, estimate.y - pose.y))
+        turned = float(abs(wrap_angle(estimate.theta - pose.theta)))
+        recovery = slam if isinstance(slam, KidnapRecovery) else None
+        lost, alarms = (recovery.lost, recovery.kidnappings) if recovery else (False, 0)
+        kept = recovery is not None and recovery.lost_probability > TRUSTED
+        found.append(Step(error, turned, lost, alarms, kept, took))
+    return found
+
+
+def kidnapped(seeds: tuple[int, int]) -> tuple[Kidnapping, list[Step]]:
+    """Carry a robot from one drive into another."""
+    cv2.setNumThreads(1)
+    stops, first = spliced(*seeds)
+    found = steps(KidnapRecovery(_filter(stops)), stops)
+    early, there = found[first - 1].alarms, found[first:]
+    noticed = _first(there, lambda step: step.alarms > early)
+    after = there[noticed:]
+    back = _first(after, lambda step: not step.lost and step.error < BACK)
+    wrong = sum(not step.lost and step.error > RIGHT[0] for step in after)
+    last = there[min(noticed + MORE, len(there) - 1)]
+    result = Kidnapping(min(noticed + 1, NEVER), back, last.error, there[-1].error, wrong, early)
+    return result, found
+
+
+def ordinary(seed: int) -> tuple[int, int, list[Step]]:
+    """Return the number of alarms of an ordinary drive, how many of them are false, and its stops."""
+    cv2.setNumThreads(1)
+    stops = stops_of(seed)
+    found = steps(KidnapRecovery(_filter(stops)), stops)
+    if not found[-1].alarms:
+        return 0, 0, found
+    plain = steps(surest_first(adaptive_update)(stops[0][0].pose), stops)
+    alarms = [number for number in range(1, len(found)) if found[number].alarms > found[number - 1].alarms]
+    false = [n for n in alarms if plain[n].error <= RIGHT[0] and plain[n].turned <= RIGHT[1]]
+    return len(alarms), len(false), found
+
+
+def _filter(stops: Sequence[Stop]) -> Any:
+    return adaptive_update(stops[0][0].pose)
+
+
+def _first(found: Sequence[Step], holds: Callable[[Step], bool]) -> int:
+    """Return the number of the first stop at which a condition holds, or NEVER."""
+    return next((number for number, step in enumerate(found) if holds(step)), NEVER)
+
+
+def main(jobs: int = 2) -> Result:
+    """Render what is missing, carry a hundred robots away, and let three hundred drive in peace."""
+    prepare(ORDINARY, jobs=jobs)
+    pairs = [(seed, FRESH[(number + 1) % len(FRESH)]) for number, seed in enumerate(FRESH)]
+    with ProcessPoolExecutor(jobs) as pool:
+        carried = list(track(pool.map(kidnapped, pairs), "kidnapped", len(pairs)))
+        left = list(track(pool.map(ordinary, ORDINARY), "ordinary", len(ORDINARY)))
+    every = [step for _, found in carried for step in found] + [step for *_, found in left for step in found]
+    values = {
+        "kidnapped": summary([result for result, _ in carried]),
+        "ordinary": {
+            name: quiet(part) for name, part in (("fresh", left[100:]), ("used for tuning", left[:100]))
+        },
+        "ms a picture": {
+            "with hypotheses": _times([step for step in every if step.kept]),
+            "without": _times([step for step in every if not step.kept]),
+        },
+        "each": {str(seed): asdict(result) for (seed, _), (result, _) in zip(pairs, carried, strict=True)},
+    }
+    return Result("kidnapping", values, _tables(values))
+
+
+def summary(found: Sequence[Kidnapping]) -> dict[str, float]:
+    """Return how many robots noticed and were back in time, and their errors."""
+    error = np.array([each.error for each in found])
+    return {
+        "drives": len(found),
+        "noticed at once": sum(each.noticed == 1 for each in found),
+        f"noticed within {SOON} stops": sum(each.noticed <= SOON for each in found),
+        f"back within {MORE} more": sum(each.back <= MORE for each in found),
+        "both, and no alarm before": sum(each.success for each in found),
+        "error then, median (m)": float(np.median(error)),
+        "95 %": float(np.quantile(error, 0.95)),
+        "worst": float(error.max()),
+        "stops sure of a wrong pose": sum(each.wrong for each in found),
+        "off by more than 0.15 m at the end": sum(each.end > RIGHT[0] for each in found),
+    }
+
+
+def quiet(found: Sequence[tuple[int, int, list[Step]]]) -> dict[str, int]:
+    """Return the number of alarms of ordinary drives, and how many of these drives are lost at the end."""
+    return {
+        "drives": len(found),
+        "alarms": sum(alarms for alarms, _, _ in found),
+        "false alarms": sum(false for _, false, _ in found),
+        "off by more than 0.15 m at the end": sum(drive[-1].error > RIGHT[0] for *_, drive in found),
+    }
+
+
+def _times(found: Sequence[Step]) -> dict[str, float]:
+    each = np.array([step.milliseconds for step in found])
+    return {
+        "stops": len(each),
+        "median": float(np.median(each)),
+        "95 %": float(np.quantile(each, 0.95)),
+        "worst": float(each.max()),
+    }
+
+
+def _tables(values: dict[str, Any]) -> tuple[Table, ...]:
+    carried = tuple((name, f"{value:.3g}") for name, value in values["kidnapped"].items())
+    return (
+        Table("carried away once", ("", "value"), carried),
+        _table("ordinary drives", values["ordinary"]),
+        _table("time of the SLAM algorithm for a picture, ms of one core", values["ms a picture"]),
+    )
+
+
+def _table(title: str, values: dict[str, dict[str, float]]) -> Table:
+    """Return a table with a row for each name."""
+    rows = tuple((name, *(f"{value:.3g}" for value in of.values())) for name, of in values.items())
+    return Table(title, ("", *next(iter(values.values()))), rows)
