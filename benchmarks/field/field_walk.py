@@ -23,11 +23,11 @@ from nao_course.field_slam.adaptive_noise import FACTORS
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.calibration import CameraCalibration
 from nao_course.field_slam.compass import COMPASS_SIGMA, wrap_quarter
-from nao_course.field_slam.demo.drive import GATE, Functions, demo_functions, see
+from nao_course.field_slam.demo.drive import GATE, Functions, demo_functions, see_all
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import JointFilter, JointUpdate
 from nao_course.field_slam.observation import Observation
-from nao_course.field_slam.walk import FIELD, PITCH_OFFSET, Frame, real_walk
+from nao_course.field_slam.walk import FIELD, PITCH_OFFSET, Frame, real_walk, walk_view
 from nao_course.geometry import FloatArray, Pose, pose_errors
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.metrics import squared_distances
@@ -70,13 +70,19 @@ class Options:
         self, functions: Functions, pictures: Sequence[RealPicture]
     ) -> tuple[list[Observation], CameraCalibration]:
         """Return the observations of all pictures, the same for all seeds, and the calibration after the last one."""
-        found, calibration = [], CameraCalibration()
-        own = calibration if self.calibration == "own" else None
+        calibration = CameraCalibration()
         offset = PITCH_OFFSET if self.calibration == "marked" else 0.0
-        for frame in real_walk(pictures, 0):
-            view = replace(frame.view, pitch=frame.view.pitch + offset)
-            seen = see(functions, frame.pixels, view, frame.farthest, own, self.joint)
-            found.append(seen if self.compass else replace(seen, direction_sigma=float("inf")))
+        frames = (
+            replace(
+                frame,
+                view=replace(frame.view, pitch=frame.view.pitch + offset),
+                calibrated=self.calibration != "own",
+            )
+            for frame in real_walk(pictures, 0)
+        )
+        found = [each.observation for each in see_all(functions, frames, calibration, self.joint)]
+        if not self.compass:
+            found = [replace(each, direction_sigma=float("inf")) for each in found]
         return found, calibration
 
 
@@ -100,10 +106,12 @@ VARIANTS: dict[str, tuple[Options, str | None]] = {
 class Walked:
     """How a walk ended: errors along and across the field (m) and of the heading (rad), NEES, the map, and the path.
 
-    The estimated path (poses at each picture, or none) is kept where it is drawn: a graph's costs much.
+    `measured_error` is the error after the last picture with a measurement; odometry alone follows. The estimated path
+    (poses at each picture, or none) is kept where it is drawn: a graph's costs much.
     """
 
     error: FloatArray
+    measured_error: FloatArray
     nees: float
     estimate: Estimate
     frames: Sequence[Frame]
@@ -133,23 +141,31 @@ def walk(
     """Run an algorithm over one walk."""
     frames = list(real_walk(pictures, seed, options.marked_headings))
     algorithm = make(frames[0].pose)
-    path = []
-    for frame, observation in zip(frames, seen, strict=True):
+    path: list[Pose] = []
+    last = max(number for number, observation in enumerate(seen) if len(observation))
+    for number, (frame, observation) in enumerate(zip(frames, seen, strict=True)):
         if frame.motion is not None:
             algorithm.move(frame.motion)
         algorithm.observe(observation)
         if seed == SHOWN:
             path.append(algorithm.estimate().pose)
+        if number == last:
+            measured_error = _error(algorithm.estimate(), frame)
     end = algorithm.estimate()
-    error = pose_errors(end.pose.as_array(), frames[-1].pose.as_array())
+    error = _error(end, frames[-1])
     known = bool(end.covariance.any())
     nees = float(squared_distances(error[None], end.covariance[None])[0]) if known else float("nan")
-    return Walked(error, nees, end, frames, path)
+    return Walked(error, measured_error, nees, end, frames, path)
+
+
+def _error(estimate: Estimate, frame: Frame) -> FloatArray:
+    return pose_errors(estimate.pose.as_array(), frame.pose.as_array())
 
 
 def summary(walks: Sequence[Walked]) -> dict[str, float]:
     """Return medians and tails over the seeds, m and degrees."""
     off, errors = np.array([each.position for each in walks]), np.array([each.error for each in walks])
+    measured = np.array([each.measured_error for each in walks])
     along, across, heading = np.sqrt(np.mean(errors**2, axis=0)).tolist()
     nees = float(np.median([each.nees for each in walks]))
     return {
@@ -159,6 +175,8 @@ def summary(walks: Sequence[Walked]) -> dict[str, float]:
         "along rms": along,
         "across rms": across,
         "heading rms": float(np.degrees(heading)),
+        "position after the last measurement": float(np.median(np.hypot(*measured[:, :2].T))),
+        "heading rms after the last measurement": float(np.degrees(np.sqrt(np.mean(measured[:, 2] ** 2)))),
         "landmarks": float(np.mean([len(each.estimate.kinds) for each in walks])),
     } | ({"NEES median": nees} if np.isfinite(nees) else {})
 
@@ -191,7 +209,6 @@ def main() -> Result:
     seen, calibration = read[Options()]
     told, off_course = compass_readings(frames, seen)
     measured = [each.kind for of in seen for each in of]
-    estimated, sigmas = np.degrees([calibration.mean, np.sqrt(np.diag(calibration.covariance))]).tolist()
     headings = np.degrees([frame.pose.theta for frame in frames])
     values: dict[str, Any] = {
         "variants": found,
@@ -202,8 +219,10 @@ def main() -> Result:
         "pictures with a measurement": sum(len(of) > 0 for of in seen),
         "largest heading by the marked points, degrees": float(np.abs(headings).max()),
         "pitch offset by the first picture, degrees": marked_offset(pictures),
-        "own estimate of the offset, degrees": dict(zip(("pitch", "roll"), estimated, strict=True)),
-        "its standard deviations, degrees": dict(zip(("pitch", "roll"), sigmas, strict=True)),
+        "own estimate of the offset, degrees": {
+            "walk": in_degrees(calibration),
+            "scenes": in_degrees(calibrated_on(functions, read_pictures("scenes"))),
+        },
     }
     _draw_pictures(frames, seen, calibration)
     columns = ("variant", "off m", "95 %", "worst", "along", "across", "heading °", "NEES")
@@ -222,6 +241,21 @@ def main() -> Result:
     table = Table(f"end of a walk of {len(pictures)} pictures and 6 m, {len(SEEDS)} seeds", columns, rows)
     notes = tuple(f"{name}: {value:.3g}" for name, value in values.items() if isinstance(value, int | float))
     return Result("field_walk", values, (table,), notes)
+
+
+def calibrated_on(functions: Functions, pictures: Sequence[RealPicture]) -> CameraCalibration:
+    """Return the calibration after some pictures in their order, from whatever poses."""
+    calibration = CameraCalibration()
+    frames = (Frame(None, each.pixels, walk_view(each), each.pose, calibrated=False) for each in pictures)
+    list(see_all(functions, frames, calibration))
+    return calibration
+
+
+def in_degrees(calibration: CameraCalibration) -> dict[str, float]:
+    """Return the estimated offset and its standard deviations, degrees."""
+    pitch, roll = np.degrees(calibration.mean).tolist()
+    sigmas = np.degrees(np.sqrt(np.diag(calibration.covariance))).tolist()
+    return {"pitch": pitch, "roll": roll, "pitch sigma": sigmas[0], "roll sigma": sigmas[1]}
 
 
 def marked_offset(pictures: Sequence[RealPicture]) -> float:

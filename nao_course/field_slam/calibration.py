@@ -39,6 +39,7 @@ READ_SIGMAS = 2.0  # lines are searched as if the camera looked lower by as many
 # The likelihood of an outlier, where an exact measurement has 1, and the probability that a line is an outlier by its
 # length on the ground: below LEAST_LENGTH, between the two LENGTHS, and above them. A goal has the third probability.
 BROAD, OUTLIERS = (0.05, (1.0, 0.3, 0.1, 0.03))
+CERTAIN = float(np.radians(1.0))  # largest standard deviation of an offset with which pictures are measured
 BAD_PICTURE = 0.05  # probability that the likelihood of a whole picture is wrong
 MOST_LINES, MOST_DIRECTIONS, MOST_CENTRES = (16, 6, 4)  # that are used, or tried; the longest first
 GOAL_WIDTH = Field(2012).dimensions.goal_width  # m, by the rules
@@ -80,6 +81,11 @@ class CameraCalibration:
         self._log = self._prior
         self._sway = tilt_covariance(sway)
         self._summarise()
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether the offset is known better than a robot's sway."""
+        return bool(np.sqrt(np.diag(self.covariance)).max() < CERTAIN)
 
     def corrected(self, view: CameraView) -> CameraView:
         """Return the view of the camera if the offset has its mean."""

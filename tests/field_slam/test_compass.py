@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nao_course.field_slam.compass import support, tilt_from_lines, wrap_quarter
-from nao_course.field_slam.observation import tilted
+from nao_course.field_slam.observation import TILT_SIGMAS, tilted
 from nao_course.geometry import Pose
 from nao_course.sim import Field
 from tests.field_slam.test_observation import VIEW, ground
@@ -40,6 +40,18 @@ def test_without_lines_the_tilt_keeps_the_covariance_of_the_prior():
     found = tilt_from_lines(np.zeros((0, 4)), VIEW)
     assert (found.pitch, found.roll) == (0.0, 0.0)
     assert np.degrees(np.sqrt(found.covariance[0, 0])) == pytest.approx(1.3)
+
+
+def test_a_prior_may_be_given_as_a_covariance():
+    lines, view = lines_in(tilted(VIEW, 0.02, -0.01), POSE), replace(VIEW, k1=0.0)
+    as_sigmas, as_covariance = (
+        tilt_from_lines(lines, view),
+        tilt_from_lines(lines, view, np.diag(np.square(TILT_SIGMAS))),
+    )
+    assert as_covariance.pitch == pytest.approx(as_sigmas.pitch)
+    assert np.allclose(as_covariance.covariance, as_sigmas.covariance)
+    correlated = np.array([[4e-4, 2e-4], [2e-4, 3e-4]])
+    assert np.allclose(tilt_from_lines(np.zeros((0, 4)), view, correlated).covariance[:2, :2], correlated)
 
 
 def piece_of_circle(view) -> np.ndarray:

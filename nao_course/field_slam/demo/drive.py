@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,7 @@ from nao_course.field_slam.lines import corners_of_lines, read_lines
 from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observation, observation, tilted
 from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.field_slam.walk import Frame, real_walk
-from nao_course.geometry import Pose
+from nao_course.geometry import FloatArray, Pose
 from nao_course.sim import CameraView, Field
 from nao_course.slam import Estimate, SlamAlgorithm
 from nao_course.student.notebooks import own_function
@@ -93,13 +93,23 @@ def route(seed: int, walk: Path | None = None) -> tuple[Iterator[Frame], int, Fi
     return real_walk(pictures, seed), len(pictures), Field(2012, half=False)
 
 
+class Detections(NamedTuple):
+    """The feet of posts (P, 2), px, and the lines (N, 4) of a picture, px without lens distortion."""
+
+    posts: FloatArray
+    lines: FloatArray
+
+
+class Seen(NamedTuple):
+    """A picture with its observation, and the time in seconds from its pixels to the observation."""
+
+    frame: Frame
+    observation: Observation
+    seconds: float
+
+
 def see(
-    functions: Functions,
-    pixels: npt.NDArray[np.uint8],
-    view: CameraView,
-    farthest: float = FARTHEST,
-    calibration: CameraCalibration | None = None,
-    joint: bool = False,
+    functions: Functions, pixels: npt.NDArray[np.uint8], view: CameraView, farthest: float = FARTHEST
 ) -> Observation:
     """Make an observation from a picture with the student's functions and the library's detection of lines.
 
@@ -113,26 +123,86 @@ def see(
         Assumed view of the camera.
     farthest : float
         Largest range of a measurement that is used, m.
-    calibration : CameraCalibration, optional
-        Estimate of the camera's offset from the view. It is updated with the picture before the picture is measured.
-    joint : bool
-        Whether to return a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
     """
+    return _measure(functions, _detect(functions, pixels, view), view, farthest)
+
+
+def see_all(
+    functions: Functions,
+    frames: Iterable[Frame],
+    calibration: CameraCalibration | None = None,
+    joint: bool = False,
+) -> Iterator[Seen]:
+    """Yield the observations of pictures in their order, and calibrate the camera on the way where that is needed.
+
+    The first pictures of a camera that is not calibrated are held back. They are measured when the calibration is
+    certain enough, or when there is no further picture.
+
+    Parameters
+    ----------
+    functions : mapping of str to callable
+        Functions of `USES` by name, without the numbers of their lessons.
+    frames : iterable of Frame
+        Pictures of a drive or a walk.
+    calibration : CameraCalibration, optional
+        Estimate of the camera's offset, which is updated; a new one by default.
+    joint : bool
+        Whether each observation is a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
+    """
+    calibration = calibration or CameraCalibration()
+    waiting: list[tuple[Frame, Detections, float]] = []
+    for frame in frames:
+        began = time.perf_counter()
+        view = frame.view if frame.calibrated else calibration.reading_view(frame.view)
+        found = _detect(functions, frame.pixels, view)
+        if not frame.calibrated:
+            calibration.update(found.lines, found.posts, frame.view)
+        waiting.append((frame, found, time.perf_counter() - began))
+        if frame.calibrated or calibration.is_certain:
+            yield from (_measured(functions, *each, calibration, joint) for each in waiting)
+            waiting = []
+    yield from (_measured(functions, *each, calibration, joint) for each in waiting)
+
+
+def _detect(functions: Functions, pixels: npt.NDArray[np.uint8], view: CameraView) -> Detections:
     white = functions["white_threshold"](mean_lightness(pixels))
     labels = functions["color_labels"](pixels, GREEN, YELLOW, white)
-    posts = functions["find_goalposts"](labels)
+    return Detections(functions["find_goalposts"](labels), read_lines(pixels, view))
+
+
+def _measured(
+    functions: Functions,
+    frame: Frame,
+    found: Detections,
+    seconds: float,
+    calibration: CameraCalibration,
+    joint: bool,
+) -> Seen:
+    """Measure what was detected in a picture after `seconds`, with the present calibration."""
+    began, view = time.perf_counter(), frame.view
     prior: npt.ArrayLike = TILT_SIGMAS
-    lines = read_lines(pixels, calibration.reading_view(view) if calibration else view)
-    if calibration:
-        calibration.update(lines, posts, view)
+    if not frame.calibrated:
         view, prior = calibration.corrected(view), calibration.tilt_covariance(view)
-    tilt = tilt_from_lines(lines, view, prior)
+    seen = _measure(functions, found, view, frame.farthest, prior, joint)
+    return Seen(frame, seen, seconds + time.perf_counter() - began)
+
+
+def _measure(
+    functions: Functions,
+    found: Detections,
+    view: CameraView,
+    farthest: float,
+    prior: npt.ArrayLike = TILT_SIGMAS,
+    joint: bool = False,
+) -> Observation:
+    tilt = tilt_from_lines(found.lines, view, prior)
     level = tilted(view, tilt.pitch, tilt.roll)
-    found = functions["measurements_from_pixels"](posts, corners_of_lines(lines, level), level)
-    near = [each for each in found if each.range < farthest]
+    corners = corners_of_lines(found.lines, level)
+    measured = functions["measurements_from_pixels"](found.posts, corners, level)
+    near = [each for each in measured if each.range < farthest]
     compass = tilt.direction, tilt.direction_sigma
     seen = observation(near, tilt.covariance[:2, :2], CORNER_SIGMA, *compass, POST_SIGMA)
-    return scene(seen, tilt, lines, level) if joint else seen
+    return scene(seen, tilt, found.lines, level) if joint else seen
 
 
 def demo_functions(slam: Sequence[str], notebooks: Path) -> Functions:
@@ -182,12 +252,11 @@ def run_demo(functions: Functions, frames: Iterable[Frame], slam: Sequence[str])
         Record of the drive.
     """
     story = Story(estimates={name: [] for name in slam}, slam={name: [] for name in slam})
-    calibration: CameraCalibration | None = None
     algorithms: dict[str, SlamAlgorithm] = {}
-    for stop in _stops(frames):
-        first, motion = stop[0], stop[0].motion
+    for stop in _stops(see_all(functions, frames)):
+        first = stop[0].frame
+        motion = first.motion
         if not algorithms:
-            calibration = None if first.calibrated else CameraCalibration()
             kinds = {name: functions[ALGORITHMS[name].partition(":")[2]] for name in slam}
             algorithms = {
                 name: SurestFirst(kind(first.pose, OdometryNoisePerMove(), GATE, associate_jointly))
@@ -195,31 +264,27 @@ def run_demo(functions: Functions, frames: Iterable[Frame], slam: Sequence[str])
             }
         last = story.odometry[-1] if story.odometry else first.pose
         story.odometry += [last @ motion.as_pose() if motion else last] * len(stop)
-        observed = []
-        for frame in stop:
-            began = time.perf_counter()
-            observed.append(see(functions, frame.pixels, frame.view, frame.farthest, calibration))
-            story.vision.append(time.perf_counter() - began)
-        story.frames += stop
-        story.seen += observed
+        story.frames += [each.frame for each in stop]
+        story.seen += [each.observation for each in stop]
+        story.vision += [each.seconds for each in stop]
         for name, algorithm in algorithms.items():
             began = time.perf_counter()
             if motion is not None:
                 algorithm.move(motion)
-            for each in observed:
-                algorithm.observe(each)
+            for each in stop:
+                algorithm.observe(each.observation)
             story.estimates[name] += [algorithm.estimate()] * len(stop)
             story.slam[name] += [(time.perf_counter() - began) / len(stop)] * len(stop)
     return story
 
 
-def _stops(frames: Iterable[Frame]) -> Iterator[list[Frame]]:
+def _stops(pictures: Iterable[Seen]) -> Iterator[list[Seen]]:
     """Yield the pictures between two motions as one list."""
-    stop: list[Frame] = []
-    for frame in frames:
-        if stop and frame.motion is not None:
+    stop: list[Seen] = []
+    for picture in pictures:
+        if stop and picture.frame.motion is not None:
             yield stop
             stop = []
-        stop.append(frame)
+        stop.append(picture)
     if stop:
         yield stop

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from nao_course.cli import app
 from nao_course.field_slam.demo import drive, film, report
 from nao_course.field_slam.walk import Frame
 from nao_course.geometry import Pose
-from nao_course.sim import NAO_V4, Field
+from nao_course.sim import NAO_V4, Field, Reality, render
 from nao_course.slam import DeadReckoning, Motion
 from tests.paths import PROJECT
 
@@ -48,6 +49,42 @@ def test_the_demo_drives_and_says_how_far_off_it_ends():
     assert found["way"] == pytest.approx(0.4)
     json.dumps(found, allow_nan=False)
     assert "0.100 m" in report.in_words(story, Field(2012))[1]
+
+
+def rendered(number, offset):
+    """Pictures by a camera that looks lower than assumed, as frames that are not calibrated."""
+    rng, assumed = np.random.default_rng(5), NAO_V4.view("bottom", 0.0, -0.54)
+    for turn in np.linspace(0.0, 1.2, number):
+        pose = Pose(1.0, -0.4, float(turn))
+        pixels, _ = render(
+            Field(2012), pose, replace(assumed, pitch=assumed.pitch + offset), Reality.lab(3), rng
+        )
+        yield Frame(None, pixels, assumed, pose, calibrated=False)
+
+
+def test_the_first_pictures_wait_until_the_camera_is_calibrated():
+    offset, views, taken = np.radians(6.0), [], []
+    functions = FUNCTIONS | {
+        "measurements_from_pixels": lambda posts, corners, view: views.append(view) or []
+    }
+    frames = list(rendered(8, offset))
+    seen = drive.see_all(functions, (taken.append(frame) or frame for frame in frames))
+    first = next(seen)
+    assert 1 < len(taken) < len(frames) and len(views) == 1
+    assert [first.frame, *(each.frame for each in seen)] == frames
+    assert np.degrees([view.pitch - frames[0].view.pitch for view in views]) == pytest.approx(6.0, abs=3.0)
+
+
+def test_no_picture_is_lost_if_the_camera_is_never_calibrated():
+    blind = [replace(frame, calibrated=False) for frame in frames()]
+    assert [each.frame for each in drive.see_all(FUNCTIONS, blind)] == blind
+
+
+def test_a_calibrated_camera_is_left_as_it_is():
+    taken = []
+    seen = drive.see_all(FUNCTIONS, (taken.append(frame) or frame for frame in frames()))
+    next(seen)
+    assert len(taken) == 1
 
 
 def test_a_place_where_nothing_can_be_written_is_refused_before_the_drive(tmp_path):
