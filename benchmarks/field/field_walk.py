@@ -41,7 +41,15 @@ SHOWN = 100  # the seed whose maps are drawn
 OFF_COURSE = float(np.radians(10))
 Make = Callable[[Pose], SlamAlgorithm]
 Classes = Mapping[str, Callable[..., SlamAlgorithm]]
+HALF = 15  # pictures on which the calibration was developed
+ASSUMED = ((0.0, 0.0), (4.0, 0.0), (-1.0, 3.0), (10.0, -3.0), (10.0, 3.0), (3.0, -2.0))  # degrees
 DRAWN = (0, 3, 8, 14, 16, 20)  # pictures
+
+
+class AtOnce(CameraCalibration):
+    """A calibration with which even the first pictures are measured at once."""
+
+    is_certain = True
 
 
 @dataclass(frozen=True)
@@ -59,23 +67,30 @@ class Options:
         Whether the true headings are those that the marked points tell; otherwise as written down.
     joint : bool
         Whether the observations have lines and the centre circle, and the filter uses them in a joint update.
+    wait : bool
+        Whether the first pictures are measured only when the robot's own calibration is certain enough.
+    assumed : (float, float)
+        Errors of pitch and roll that are added to the view that follows from the joints, degrees.
     """
 
     calibration: Literal["own", "marked", "none"] = "own"
     compass: bool = True
     marked_headings: bool = True
     joint: bool = False
+    wait: bool = True
+    assumed: tuple[float, float] = (0.0, 0.0)
 
     def observations(
         self, functions: Functions, pictures: Sequence[RealPicture]
     ) -> tuple[list[Observation], CameraCalibration]:
         """Return the observations of all pictures, the same for all seeds, and the calibration after the last one."""
-        calibration = CameraCalibration()
-        offset = PITCH_OFFSET if self.calibration == "marked" else 0.0
+        calibration = CameraCalibration() if self.wait else AtOnce()
+        pitch, roll = np.radians(self.assumed).tolist()
+        pitch += PITCH_OFFSET if self.calibration == "marked" else 0.0
         frames = (
             replace(
                 frame,
-                view=replace(frame.view, pitch=frame.view.pitch + offset),
+                view=replace(frame.view, pitch=frame.view.pitch + pitch, roll=frame.view.roll + roll),
                 calibrated=self.calibration != "own",
             )
             for frame in real_walk(pictures, 0)
@@ -92,6 +107,7 @@ VARIANTS: dict[str, tuple[Options, str | None]] = {
     "EKF": (Options(), "EkfSlam"),
     "graph": (Options(), "GraphSlam"),
     "EKF, joint update": (Options(joint=True), "EkfSlam"),
+    "EKF, first pictures at once": (Options(wait=False), "EkfSlam"),
     "EKF, no compass": (Options(compass=False), "EkfSlam"),
     "EKF, offset from marked points": (Options(calibration="marked"), "EkfSlam"),
     "EKF, joint update, offset from marked points": (Options(calibration="marked", joint=True), "EkfSlam"),
@@ -224,6 +240,10 @@ def main() -> Result:
             "scenes": in_degrees(calibrated_on(functions, read_pictures("scenes"))),
         },
     }
+    values["first half, range of the EKF's median error over assumed views"] = {
+        name: from_assumed_views(functions, pictures[:HALF], maker(classes, "EkfSlam"), wait)
+        for name, wait in (("first pictures wait", True), ("first pictures at once", False))
+    }
     _draw_pictures(frames, seen, calibration)
     columns = ("variant", "off m", "95 %", "worst", "along", "across", "heading °", "NEES")
     keys = (
@@ -241,6 +261,19 @@ def main() -> Result:
     table = Table(f"end of a walk of {len(pictures)} pictures and 6 m, {len(SEEDS)} seeds", columns, rows)
     notes = tuple(f"{name}: {value:.3g}" for name, value in values.items() if isinstance(value, int | float))
     return Result("field_walk", values, (table,), notes)
+
+
+def from_assumed_views(
+    functions: Functions, pictures: Sequence[RealPicture], make: Make, wait: bool
+) -> list[float]:
+    """Return the smallest and the largest median error at the end, m, if the view is assumed as in ASSUMED."""
+    medians = []
+    for assumed in ASSUMED:
+        options = Options(wait=wait, assumed=assumed)
+        seen, _ = options.observations(functions, pictures)
+        ends = [walk(pictures, seed, seen, options, make).position for seed in SEEDS]
+        medians.append(float(np.median(ends)))
+    return [min(medians), max(medians)]
 
 
 def calibrated_on(functions: Functions, pictures: Sequence[RealPicture]) -> CameraCalibration:
