@@ -16,10 +16,17 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import block_diag
 
-from nao_course.field_slam.adaptive_noise import AdaptiveOdometryNoise, OdometryModel
+from nao_course.field_slam.adaptive_noise import FACTORS, AdaptiveOdometryNoise, OdometryModel
 from nao_course.field_slam.association import landmark_jacobian
 from nao_course.field_slam.circle import Circle, find_circle
 from nao_course.field_slam.compass import AGREES, BodyTilt, wrap_quarter
+from nao_course.field_slam.likelihood import (
+    Part,
+    PictureLikelihood,
+    compass_log_densities,
+    landmark_log_densities,
+    line_log_densities,
+)
 from nao_course.field_slam.lines import to_ground
 from nao_course.field_slam.observation import CAMERA_HEIGHT, FOCAL, Observation, as_observation, tilt_jacobian
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
@@ -153,12 +160,18 @@ class LinearisedMeasurement(NamedTuple):
         Covariance of the measurement noise without the part that the tilt causes.
     tilt_jacobian : ndarray, shape (m, 2)
         Jacobian of the innovation with respect to the errors of pitch and roll.
+    part : Part
+        What they measure.
+    known : ndarray of bool, shape (m,)
+        Whether each measures something that was on the map before.
     """
 
     innovation: FloatArray
     H: FloatArray
     own: FloatArray
     tilt_jacobian: FloatArray
+    part: Part
+    known: npt.NDArray[np.bool_]
 
 
 class JointUpdate(SlamAlgorithm):
@@ -175,9 +188,16 @@ class JointUpdate(SlamAlgorithm):
     factors : sequence of float
         Candidates for the scale factor of the odometry's standard deviations, which is then estimated from the compass
         readings (`AdaptiveOdometryNoise`). With (1.0,), the stated noise is used.
+
+    Attributes
+    ----------
+    likelihood : PictureLikelihood
+        Likelihood of the last picture's measurements.
     """
 
-    def __init__(self, inner: JointFilter, factors: Sequence[float] = (1.0,)) -> None:
+    likelihood: PictureLikelihood
+
+    def __init__(self, inner: JointFilter, factors: Sequence[float] = FACTORS) -> None:
         """Start with the state of the filter, and with no lines on the map."""
         self.inner = inner
         self.odometry = inner.odometry = AdaptiveOdometryNoise(inner.odometry, factors)
@@ -195,15 +215,28 @@ class JointUpdate(SlamAlgorithm):
         """Update with a picture."""
         seen = as_observation(measurements)
         self._estimate_noise(seen)
+        innovation = float(wrap_quarter(-seen.direction - self.inner.state[2]))
+        compass = compass_log_densities(innovation, self.inner.covariance[2, 2] + seen.direction_sigma**2)
         self.inner.use_compass(seen.direction, seen.direction_sigma)
+        on_map = len(self.inner.kinds)
         self.inner.number(seen)
-        found = [self._landmarks(seen)]
+        numbers = np.asarray(self.inner.indices, dtype=int)
+        landmarks = landmark_log_densities(seen, (numbers >= 0) & (numbers < on_map))
+        found, lines = [self._landmarks(seen, on_map)], (0.0, 0.0)
         if isinstance(seen, Scene):
             used: set[int] = set()
-            known = len(self.inner.kinds)
-            found += [self._line(line, seen.tilt, known, used) for line in seen.lines]
-            found += [self._centre(seen.circle, seen)] if seen.circle else []
-        self._correct([each for each in found if each is not None], seen)
+            on_map = len(self.inner.kinds)
+            of_lines = [self._line(line, seen.tilt, on_map, used) for line in seen.lines]
+            of_circle = self._centre(seen.circle, seen) if seen.circle else None
+            lines = line_log_densities(
+                len(seen.lines),
+                int(seen.circle is not None),
+                sum(each is not None and bool(each.known.all()) for each in of_lines),
+                int(of_circle is not None and bool(of_circle.known.all())),
+            )
+            found += [*of_lines, of_circle]
+        others: dict[Part, tuple[float, float]] = {"compass": compass, "landmarks": landmarks, "lines": lines}
+        self.likelihood = PictureLikelihood(*self._correct([each for each in found if each], seen), others)
 
     def estimate(self) -> Estimate:
         """Return the estimate of the robot's pose and of the corners and posts."""
@@ -243,8 +276,8 @@ class JointUpdate(SlamAlgorithm):
         self.inner.state, self.inner.covariance = last.state, last.covariance
         self.inner.move(last.motion)
 
-    def _landmarks(self, seen: Observation) -> LinearisedMeasurement | None:
-        """Linearise the bearings and ranges of the associated landmarks."""
+    def _landmarks(self, seen: Observation, on_map: int) -> LinearisedMeasurement | None:
+        """Linearise the bearings and ranges of the associated landmarks; the first `on_map` were on the map before."""
         used = np.flatnonzero(np.asarray(self.inner.indices) >= 0)
         if not len(used):
             return None
@@ -257,14 +290,15 @@ class JointUpdate(SlamAlgorithm):
         J = scale[:, None] * tilt_jacobian(part.values)
         H = landmark_jacobian(offset, distance, numbers, len(state))
         innovation = np.column_stack([bearing, values[1::2] - distance]).ravel()
-        return LinearisedMeasurement(innovation, H, R - J @ part.tilt @ J.T, J)
+        known = np.repeat(numbers < on_map, 2)
+        return LinearisedMeasurement(innovation, H, R - J @ part.tilt @ J.T, J, "landmarks", known)
 
     def _line(
-        self, line: FloatArray, tilt: FloatArray, known: int, used: set[int]
+        self, line: FloatArray, tilt: FloatArray, on_map: int, used: set[int]
     ) -> LinearisedMeasurement | None:
         """Linearise the measurement of one line.
 
-        It is matched with a line among the first `known` landmarks that is not in `used`, or added to the map. None is
+        It is matched with a line among the first `on_map` landmarks that is not in `used`, or added to the map. None is
         returned if the match is ambiguous.
         """
         axis = int(abs(np.cos(line[2] + self.inner.state[2])) > np.sqrt(0.5))
@@ -276,7 +310,7 @@ class JointUpdate(SlamAlgorithm):
         numbers = [number for number, which in self._axes.items() if which == axis]
         residuals = {number: self.inner.state[3 + 2 * number] - position for number in numbers}
         rows = {
-            number: _minus_landmark(h[None], number, np.eye(1, 2)) for number in numbers if number < known
+            number: _minus_landmark(h[None], number, np.eye(1, 2)) for number in numbers if number < on_map
         }
         sigmas = {n: abs(residuals[n]) / np.sqrt((row @ P @ row.T).item() + own) for n, row in rows.items()}
         nearest = sorted(sigmas, key=sigmas.__getitem__)
@@ -294,8 +328,9 @@ class JointUpdate(SlamAlgorithm):
             self._axes[number], residuals[number] = axis, 0.0
             rows[number] = _minus_landmark(np.pad(h, (0, 2))[None], number, np.eye(1, 2))
         used.add(number)
+        known = np.array([number < on_map])
         return LinearisedMeasurement(
-            np.array([residuals[number]]), rows[number], np.array([[pixels]]), -J[None]
+            np.array([residuals[number]]), rows[number], np.array([[pixels]]), -J[None], "lines", known
         )
 
     def _centre(self, circle: Circle, seen: Observation) -> LinearisedMeasurement | None:
@@ -304,6 +339,7 @@ class JointUpdate(SlamAlgorithm):
         J = rotation_2d(self.inner.state[2]) @ circle.tilt_jacobian
         own = CENTRE_SIGMA**2 * np.eye(2)
         noise = own + J @ seen.tilt @ J.T
+        known = np.full(2, self._circle is not None)
         if self._circle is None:
             no_compass = np.isinf(seen.direction_sigma)  # without a compass the arcs may belong to anything
             if no_compass or np.trace(H @ self.inner.covariance @ H.T + noise) >= CENTRE_SURE**2:
@@ -315,7 +351,7 @@ class JointUpdate(SlamAlgorithm):
         S = H @ self.inner.covariance @ H.T + noise
         if residual @ np.linalg.solve(S, residual) >= CENTRE_GATE**2:
             return None
-        return LinearisedMeasurement(residual, H, own, -J)
+        return LinearisedMeasurement(residual, H, own, -J, "lines", known)
 
     def _on_the_field(self, point: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return a point of the robot frame on the map (2,), with its Jacobians: state (2, n) and range (2, 1)."""
@@ -331,14 +367,16 @@ class JointUpdate(SlamAlgorithm):
         self.inner.kinds.append(INTERNAL)
         return len(self.inner.kinds) - 1
 
-    def _correct(self, found: list[LinearisedMeasurement], seen: Observation) -> None:
-        """Update with all measurements at once.
+    def _correct(
+        self, found: list[LinearisedMeasurement], seen: Observation
+    ) -> tuple[FloatArray, FloatArray, npt.NDArray[np.str_]]:
+        """Update with all measurements at once; return the innovations of known landmarks, their S, and their parts.
 
         The filter has been updated with the compass before. Its error is correlated with the errors here through the
         tilt, so the measurements are first decorrelated from it.
         """
         if not found:
-            return
+            return np.zeros(0), np.zeros((0, 0)), np.zeros(0, dtype=str)
         size = len(self.inner.state)
         nu, J = (
             np.concatenate([each.innovation for each in found]),
@@ -361,6 +399,9 @@ class JointUpdate(SlamAlgorithm):
         self.inner.state[2] = wrap_angle(self.inner.state[2])
         P = P - K @ S @ K.T
         self.inner.covariance = (P + P.T) / 2
+        known = np.concatenate([each.known for each in found])
+        parts = np.concatenate([np.full(len(each.known), each.part) for each in found])
+        return nu[known], S[np.ix_(known, known)], parts[known]
 
 
 def _minus_landmark(H: FloatArray, number: int, J: FloatArray) -> FloatArray:

@@ -1,0 +1,100 @@
+"""The likelihood of a picture's measurements, with all of them used or with some of them ignored."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from nao_course.field_slam.adaptive_noise import OUTLIERS
+from nao_course.field_slam.compass import QUARTER
+from nao_course.field_slam.observation import Observation
+from nao_course.geometry import FloatArray
+from nao_course.slam import LandmarkKind
+
+Part = Literal["compass", "landmarks", "lines"]  # the centre circle belongs to the lines
+# Density of measurements that the map does not explain, because they are false or show something new: landmarks and
+# circles per m^2, lines per m.
+UNEXPLAINED: Mapping[LandmarkKind, float] = {"corner": 0.4, "post": 0.1}
+LINES, CIRCLES = 0.5, 0.1
+IGNORED = 0.3  # factor for measurements that are ignored although the map may explain them
+
+
+@dataclass(frozen=True, eq=False)
+class PictureLikelihood:
+    """The likelihood of one picture's measurements, given the estimate before it.
+
+    Parameters
+    ----------
+    innovation : ndarray, shape (m,)
+        Innovations of the landmarks, lines and the circle that were on the map before.
+    S : ndarray, shape (m, m)
+        Covariance of the innovations.
+    parts : ndarray of str, shape (m,)
+        Part that each innovation belongs to.
+    others : mapping of Part to (float, float)
+        Of each part, the log density of its other measurements, and that of all its measurements if it is ignored.
+    """
+
+    innovation: FloatArray
+    S: FloatArray
+    parts: npt.NDArray[np.str_]
+    others: Mapping[Part, tuple[float, float]]
+
+    def log_density(self, ignored: Collection[Part] = ()) -> float:
+        """Return the log density of all measurements, if those of some parts are ignored."""
+        kept = np.isin(self.parts, list(ignored), invert=True)
+        others = sum(densities[part in ignored] for part, densities in self.others.items())
+        return gaussian_log_density(self.innovation[kept], self.S[np.ix_(kept, kept)]) + others
+
+    def ignored(self, parts: Collection[Part]) -> float:
+        """Return the log density of all measurements of some parts, if they are ignored; 0 if there are none."""
+        return sum(self.others[part][1] for part in parts)
+
+
+def gaussian_log_density(innovation: FloatArray, S: FloatArray) -> float:
+    """Return the log density of an innovation (m,) with covariance S (m, m); 0 if m is 0."""
+    if not len(innovation):
+        return 0.0
+    distance = innovation @ np.linalg.solve(S, innovation)
+    return float(-0.5 * (distance + np.linalg.slogdet(2 * np.pi * S)[1]))
+
+
+def compass_log_densities(innovation: float, variance: float) -> tuple[float, float]:
+    """Return the log density of a compass reading, and that of a reading that has nothing to do with the heading.
+
+    Parameters
+    ----------
+    innovation : float
+        Measured minus predicted heading, rad.
+    variance : float
+        Variance of the innovation, rad^2; infinite if there is no reading, and both results are then 0.
+    """
+    if not np.isfinite(variance):
+        return 0.0, 0.0
+    gaussian = np.exp(-0.5 * innovation**2 / variance) / np.sqrt(2 * np.pi * variance)
+    return float(np.log((1 - OUTLIERS) * gaussian + OUTLIERS / QUARTER)), float(np.log(OUTLIERS / QUARTER))
+
+
+def landmark_log_densities(seen: Observation, explained: npt.ArrayLike) -> tuple[float, float]:
+    """Return the log density of the landmarks that the map does not explain, and that of all if they are ignored.
+
+    Parameters
+    ----------
+    seen : Observation
+        Observation with k landmarks.
+    explained : array_like of bool, shape (k,)
+        Whether each of them was on the map.
+    """
+    # A square metre at range r covers 1/r of an area in bearing (rad) and range (m).
+    each = np.log([UNEXPLAINED[of.kind] * of.range for of in seen])
+    return float(each[~np.array(explained, dtype=bool)].sum()), float((each + np.log(IGNORED)).sum())
+
+
+def line_log_densities(lines: int, circles: int, lines_known: int, circles_known: int) -> tuple[float, float]:
+    """Return the log density of the lines and circles that the map does not explain, and that of all if ignored."""
+    new = (lines - lines_known) * np.log(LINES) + (circles - circles_known) * np.log(CIRCLES)
+    return float(new), float(lines * np.log(IGNORED * LINES) + circles * np.log(IGNORED * CIRCLES))
