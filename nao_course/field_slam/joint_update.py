@@ -38,8 +38,8 @@ LEAST_LENGTH = 0.45  # m
 LEAST_PIXELS = 20.0  # px at 320: pixel noise turns a shorter line by more than AGREES
 # m, to a line's nearest point: there one degree of tilt is as much as the goal area's depth, 0.6 m.
 FARTHEST = 4.0
-LINE_SIGMA = 1.2  # px at 320, perpendicular to the line; found on seeds 300 to 399 of `benchmarks field_slam`
-CENTRE_SIGMA = 0.025  # m: half of a line's width, because an arc may be seen at either of its edges
+# px at 320, perpendicular to the line, and m; found on seeds 200 to 229 of `benchmarks field_slam`
+LINE_SIGMA, CENTRE_SIGMA = 0.85, 0.0175
 # A line of the picture is matched with a line of the map that is at most KNOWN sigma away, if all others are farther
 # than OTHER. An ambiguous line is not used. A line that is farther than NEW sigma and APART metres from all lines of
 # the map becomes a new one. In between it is ignored, because a second copy of a line would bend the map.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nao_course.field_slam.adaptive_noise import FACTORS, AdaptiveOdometryNoise
+from nao_course.field_slam.adaptive_noise import AdaptiveOdometryNoise
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.observation import Observation
@@ -45,7 +45,7 @@ def test_the_factor_scales_all_standard_deviations():
 
 
 def test_a_motion_is_predicted_once_with_the_noise_that_its_own_compass_reading_shows(ekf):
-    joint, alone = JointUpdate(ekf(Pose(0, 0, 0)), FACTORS), ekf(Pose(0, 0, 0))
+    joint, alone = JointUpdate(ekf(Pose(0, 0, 0))), ekf(Pose(0, 0, 0))
     before = joint.odometry.factor
     joint.move(TURN)
     joint.observe(MORE)
@@ -62,7 +62,7 @@ def test_a_motion_is_predicted_once_with_the_noise_that_its_own_compass_reading_
 
 
 def test_with_one_factor_the_stated_noise_is_used(ekf):
-    joint, alone = JointUpdate(ekf(Pose(0, 0, 0))), ekf(Pose(0, 0, 0))
+    joint, alone = JointUpdate(ekf(Pose(0, 0, 0)), (1.0,)), ekf(Pose(0, 0, 0))
     for each in (joint, alone):
         for _ in range(3):
             each.move(TURN)

@@ -66,7 +66,9 @@ def own():
 
 @pytest.fixture
 def slam(own):
-    return lambda start: JointUpdate(own["EkfSlam"](start, OdometryNoisePerMove(), 4.0, associate_jointly))
+    return lambda start: JointUpdate(
+        own["EkfSlam"](start, OdometryNoisePerMove(), 4.0, associate_jointly), factors=(1.0,)
+    )
 
 
 # --- what a picture shows ---
@@ -220,7 +222,9 @@ def test_compass_and_places_together_are_one_update_with_all_they_share(slam):
     nu, direction = 0.02 * rng.normal(size=4), -0.05
     mine.inner.state, mine.inner.covariance = x0.copy(), before.copy()
     mine.inner.use_compass(direction, sigma)
-    left = LinearisedMeasurement(nu - H @ (mine.inner.state - x0), H, own, J)
+    left = LinearisedMeasurement(
+        nu - H @ (mine.inner.state - x0), H, own, J, "landmarks", np.full(len(nu), True)
+    )
     seen = Scene((), np.zeros((0, 0)), direction, sigma, T, shared=shared)
     mine._correct([left], seen)
     all_H = np.vstack([[0.0, 0.0, -1.0], H])

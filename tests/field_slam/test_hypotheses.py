@@ -1,0 +1,179 @@
+"""Several hypotheses about the association: their likelihoods, when they appear, and how they are decided."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from nao_course.field_slam.association import associate_jointly
+from nao_course.field_slam.compass import wrap_quarter
+from nao_course.field_slam.drives import OdometryNoisePerMove
+from nao_course.field_slam.hypotheses import MOST, MultipleHypotheses, without
+from nao_course.field_slam.joint_update import JointUpdate, Scene
+from nao_course.field_slam.likelihood import (
+    IGNORED,
+    UNEXPLAINED,
+    compass_log_densities,
+    gaussian_log_density,
+    landmark_log_densities,
+    line_log_densities,
+)
+from nao_course.field_slam.observation import observation
+from nao_course.geometry import Pose
+from nao_course.instructor.authoring.plans import load_solution
+from nao_course.slam import Measurement, Motion, range_and_bearing
+from tests.paths import SOLUTIONS
+
+START, CORNERS = Pose(0.0, 0.0, 0.0), ((2.0, -0.6), (2.0, 0.6), (3.0, 1.5), (3.0, -1.5))
+TWIN = (2.0, 0.95)  # a corner that is not on the map, near one that is
+STEP = Motion(0.3, 0.0)
+
+
+def seen_from(pose: Pose, corners=CORNERS, compass=float("inf"), lines=()) -> Scene:
+    """Return what a robot without errors sees, with the stated covariance."""
+    found = [Measurement(*range_and_bearing(pose.as_array(), at), "corner") for at in corners]
+    seen = observation(
+        found, (1e-3, 1e-3), direction=float(wrap_quarter(-pose.theta)), direction_sigma=compass
+    )
+    return Scene(
+        seen.measurements,
+        seen.covariance,
+        seen.direction,
+        compass,
+        seen.tilt,
+        lines=np.array(lines, dtype=float).reshape(-1, 3),
+    )
+
+
+@pytest.fixture(scope="module")
+def ekf():
+    return load_solution(SOLUTIONS / "11_slam_on_the_field.ipynb")["EkfSlam"]
+
+
+@pytest.fixture
+def joint(ekf):
+    return JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+
+
+# --- likelihoods ---
+
+
+def test_the_gaussian_log_density_is_scipys(rng):
+    root = rng.normal(size=(4, 4))
+    S, nu = root @ root.T + np.eye(4), rng.normal(size=4)
+    assert gaussian_log_density(nu, S) == pytest.approx(multivariate_normal(np.zeros(4), S).logpdf(nu))
+    assert gaussian_log_density(np.zeros(0), np.zeros((0, 0))) == 0.0
+
+
+def test_densities_of_a_compass_and_of_landmarks_integrate_to_what_they_stand_for():
+    angles = np.linspace(-np.pi / 4, np.pi / 4, 20001)
+    each = np.exp([compass_log_densities(float(at), 0.03**2) for at in angles])
+    assert np.trapezoid(each[:, 0], angles) == pytest.approx(1.0, abs=1e-3)
+    assert np.trapezoid(each[:, 1], angles) == pytest.approx(0.01, abs=1e-3)
+    # The expected number of unexplained corners within r is the density times the area of the disc.
+    ranges = np.linspace(1e-3, 2.0, 2001)
+    of_range = [
+        np.exp(landmark_log_densities(observation([Measurement(0.0, float(r), "corner")]), [False])[0])
+        for r in ranges
+    ]
+    assert 2 * np.pi * np.trapezoid(of_range, ranges) == pytest.approx(
+        UNEXPLAINED["corner"] * np.pi * 2.0**2, rel=1e-3
+    )
+
+
+def test_what_is_ignored_counts_whether_or_not_the_map_explains_it():
+    seen = seen_from(START)
+    for explained in ([True] * 4, [False] * 4):
+        used, ignored = landmark_log_densities(seen, explained)
+        assert (used == 0.0) == explained[0]
+        assert ignored == pytest.approx(landmark_log_densities(seen, [False] * 4)[0] + 4 * np.log(IGNORED))
+    assert line_log_densities(2, 1, 2, 1)[0] == 0.0 > line_log_densities(2, 1, 1, 1)[0]
+    assert compass_log_densities(0.1, float("inf")) == (0.0, 0.0)
+
+
+def test_the_likelihood_of_the_rest_of_a_picture_is_that_of_a_filter_that_never_saw_the_ignored_part(
+    joint, ekf
+):
+    other = JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+    line = (2.0, 0.3, np.pi / 2)
+    for each in (joint, other):
+        each.observe(seen_from(START, compass=0.01, lines=[line]))
+        each.move(STEP)
+    there = Pose(0.3, 0.01, 0.005)
+    second = seen_from(there, compass=0.01, lines=[(1.69, 0.3, np.pi / 2)])
+    joint.observe(second)
+    other.observe(without(second, ["landmarks"]))
+    likelihood = joint.likelihood
+    assert set(likelihood.parts) == {"landmarks", "lines"}
+    assert likelihood.log_density(["landmarks"]) == pytest.approx(
+        other.likelihood.log_density() + likelihood.ignored(["landmarks"]), abs=1e-6
+    )
+    assert likelihood.log_density() > likelihood.log_density(["landmarks"])
+
+
+# --- hypotheses ---
+
+
+def test_clear_pictures_keep_one_hypothesis_which_is_the_filter_itself(joint, ekf):
+    alone = JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+    many, pose = MultipleHypotheses(joint), START
+    for each in (many, alone):
+        pose = START
+        for _ in range(4):
+            each.observe(seen_from(pose))
+            each.move(STEP)
+            pose = pose @ STEP.as_pose()
+    many.observe(seen_from(pose))
+    alone.observe(seen_from(pose))
+    assert len(many.hypotheses) == 1
+    assert np.allclose(many.estimate().pose.as_array(), alone.estimate().pose.as_array(), atol=1e-9)
+    assert np.allclose(many.estimate().covariance, alone.estimate().covariance, atol=1e-12)
+
+
+def lost_by_a_twin(slam) -> Pose:
+    """Let a robot see a corner beside one of its map while its position is uncertain; return the true pose."""
+    slam.observe(seen_from(START))
+    for each in getattr(slam, "hypotheses", [(0.0, slam)]):
+        each[1].inner.covariance[1, 1] += 0.15**2  # it may have slid sideways
+    pose = START
+    for _ in range(4):
+        slam.move(Motion(-0.3, 0.0))
+        pose = pose @ Pose(-0.3, 0.0, 0.0)
+    slam.observe(seen_from(pose, [TWIN], compass=0.005))
+    return pose
+
+
+def test_a_wrong_association_is_taken_back_when_later_pictures_contradict_it(joint, ekf):
+    alone = JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+    many = MultipleHypotheses(joint)
+    pose = lost_by_a_twin(alone)
+    lost_by_a_twin(many)
+    assert len(many.hypotheses) > 1
+    # The position is uncertain as long as there is more than one hypothesis.
+    assert many.estimate().covariance[1, 1] > 2 * alone.estimate().covariance[1, 1]
+    for each in (alone, many):
+        each.observe(seen_from(pose, CORNERS[:3], compass=0.005))
+    assert many.estimate().pose.as_array() == pytest.approx(pose.as_array(), abs=0.03)
+    assert np.hypot(*alone.estimate().pose.as_array()[:2] - pose.as_array()[:2]) > 0.1
+
+
+def test_probabilities_add_up_and_no_more_than_the_most_are_kept(joint):
+    many = MultipleHypotheses(joint)
+    pose = lost_by_a_twin(many)
+    for offset in (0.0, 0.1, 0.2):
+        many.observe(seen_from(pose, [(TWIN[0], TWIN[1] + offset)], compass=0.005))
+        total = sum(np.exp(each.log_probability) for each in many.hypotheses)
+        assert total == pytest.approx(1.0)
+        assert 1 <= len(many.hypotheses) <= MOST
+        probabilities = [each.log_probability for each in many.hypotheses]
+        assert probabilities == sorted(probabilities, reverse=True)
+
+
+def test_without_leaves_the_rest_of_an_observation():
+    seen = seen_from(START, compass=0.01, lines=[(1.0, 0.0, 0.0)])
+    assert len(without(seen, ["landmarks"])) == 0 and len(without(seen, ["landmarks"]).lines) == 1
+    assert len(without(seen, ["lines"])) == 4 and len(without(seen, ["lines"]).lines) == 0
+    assert np.isinf(without(seen, ["compass", "lines"]).direction_sigma)
+    plain = observation([], direction_sigma=0.1)
+    assert without(plain, ["lines"]) is plain
