@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks import ROOT
-from nao_course.field_slam.adaptive_noise import FACTORS
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import wrap_quarter
+from nao_course.field_slam.hypotheses import MultipleHypotheses
 from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.observation import Observation
 from nao_course.field_slam.surest_first import SurestFirst
@@ -82,14 +82,14 @@ def surest_first(make: Make) -> Make:
     return lambda start: SurestFirst(make(start))
 
 
-def joint_update(start: Pose) -> SlamAlgorithm:
-    """Return the filter that also uses lines and the centre circle."""
+def joint_update(start: Pose) -> JointUpdate:
+    """Return the filter that also uses lines and the centre circle, and estimates the noise of the odometry."""
     return JointUpdate(EKF(start, gate=GATE, association=associate_jointly))
 
 
-def adaptive_update(start: Pose) -> SlamAlgorithm:
-    """Return the joint update that also estimates the noise of the odometry."""
-    return JointUpdate(EKF(start, gate=GATE, association=associate_jointly), FACTORS)
+def with_hypotheses(start: Pose) -> SlamAlgorithm:
+    """Return the joint update with several hypotheses about the association."""
+    return MultipleHypotheses(joint_update(start))
 
 
 FILTER, GRAPH = jointly(), jointly(SOLUTION["GraphSlam"])

@@ -23,7 +23,6 @@ from benchmarks.field.field_slam.algorithms import (
     NewOnesAlone,
     Refusing,
     by_nearest_neighbour,
-    joint_update,
     jointly,
     surest_first,
 )
@@ -33,10 +32,8 @@ from nao_course.lessons.slam_on_the_field.variants import RECORDED
 from nao_course.metrics import band
 
 FRESH = range(400, 500)  # drives that nothing was tuned on
-# What the compass believes of short lines, and JointUpdate's noise, were found on these.
-SEEN = range(300, 400)
+SEEN = range(300, 400)  # what the compass believes of short lines was found on these
 BEST = Options(lines=True, compass=True)
-WHOLE = Options(lines=True, compass=True, whole=True)
 # Name: options of the measurements, algorithm, pictures at each stop. Each line changes one thing in the line before.
 VARIANTS: dict[str, tuple[Options | None, Make, int]] = {
     "odometry": (None, FILTER, 3),
@@ -56,7 +53,6 @@ VARIANTS: dict[str, tuple[Options | None, Make, int]] = {
     "EKF, nearest neighbour": (BEST, by_nearest_neighbour, 3),
     "EKF, best compass of a stop first": (BEST, surest_first(FILTER), 3),
     "graph, best compass of a stop first": (BEST, surest_first(GRAPH), 3),
-    "EKF, best compass first, joint update": (WHOLE, surest_first(joint_update), 3),
     "EKF, distant compasses rejected": (BEST, jointly(Refusing), 3),
     "EKF, ranges instead of 1/r": (BEST, jointly(BentRanges), 3),
     "EKF, new landmarks independent": (BEST, jointly(NewOnesAlone), 3),
@@ -64,7 +60,6 @@ VARIANTS: dict[str, tuple[Options | None, Make, int]] = {
     "EKF, lesson 03's corners": (Options(corners="lesson 03", lines=True, compass=True), FILTER, 3),
     "EKF, one picture at a stop": (BEST, FILTER, 1),
     "graph, one picture at a stop": (BEST, GRAPH, 1),
-    "EKF, one picture at a stop, joint update": (WHOLE, joint_update, 1),
     "EKF, 0.3 false corners a picture": (replace(BEST, false_corners=0.3), FILTER, 3),
 }
 TWICE = "EKF, odometry twice as bad as stated"
@@ -73,9 +68,7 @@ AGAIN = (
     "graph",
     "EKF, best compass of a stop first",
     "graph, best compass of a stop first",
-    "EKF, best compass first, joint update",
     "EKF, one picture at a stop",
-    "EKF, one picture at a stop, joint update",
 )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks import ROOT
 from benchmarks.field.field_slam.detections import LANDMARKS, Seen
 from nao_course.exercises import load_definitions
-from nao_course.field_slam.compass import LEAST_LENGTH, LEAST_SUPPORT, BodyTilt, support, tilt_from_lines
+from nao_course.field_slam.compass import LEAST_LENGTH, LEAST_SUPPORT, BodyTilt, tilt_from_lines
 from nao_course.field_slam.joint_update import scene
 from nao_course.field_slam.lines import corners_of_lines
 from nao_course.field_slam.observation import (
@@ -21,7 +21,7 @@ from nao_course.field_slam.observation import (
     radius_of,
     tilted,
 )
-from nao_course.geometry import FloatArray, Pose, wrap_angle
+from nao_course.geometry import FloatArray, Pose, pose_errors
 from nao_course.metrics import squared_distances
 from nao_course.sim import CameraView
 from nao_course.slam import Measurement, SlamAlgorithm
@@ -33,6 +33,8 @@ CORNER_SIGMA = {"lines": 0.5, "lesson 03": 3.0}
 CONSTANT = (float(np.radians(3)), 0.15)  # rad and m: a constant R, as in textbooks
 PLACES = np.array([(mark.x, mark.y) for mark in LANDMARKS])
 WRONG = 0.3  # m: an estimated landmark that is farther from every true landmark counts as wrong
+INCONSISTENT = 16.3  # NEES that a consistent pose exceeds once in a thousand times
+SMALL = 1e-10  # m^2 and rad^2: added to the covariance, which is zero at the start
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +48,10 @@ class Read:
 
     @classmethod
     def of(cls, seen: Seen, least_support: float = LEAST_SUPPORT, least_length: float = LEAST_LENGTH) -> Read:
-        """Estimate the tilt from the lines. If too few lines agree, it is used for the corners only."""
-        tilt = tilt_from_lines(seen.lines, seen.view, least_support=float("-inf"), least_length=least_length)
-        corners = corners_of_lines(seen.lines, tilted(seen.view, tilt.pitch, tilt.roll))
-        if support(seen.lines, seen.view, tilt) < least_support:
-            tilt = tilt_from_lines(np.zeros((0, 4)), seen.view)
-        return cls(seen, tilt, tilted(seen.view, tilt.pitch, tilt.roll), corners)
+        """Estimate the tilt from the lines, and find the corners where they meet, as the demo does."""
+        tilt = tilt_from_lines(seen.lines, seen.view, least_support=least_support, least_length=least_length)
+        level = tilted(seen.view, tilt.pitch, tilt.roll)
+        return cls(seen, tilt, level, corners_of_lines(seen.lines, level))
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,8 @@ class Options:
         Mean number of false corners that are added to a picture.
     post_sigma : float
         Standard deviation of a post in R, m.
+    corner_sigma : float, optional
+        Standard deviation of a corner, px at 320; by default that of its source.
     whole : bool
         Whether lines and the centre circle are measured as well, with their correlation by the common tilt.
     """
@@ -87,6 +89,7 @@ class Options:
     compass: bool = False
     false_corners: float = 0.0
     post_sigma: float = POST_SIGMA
+    corner_sigma: float | None = None
     whole: bool = False
 
     def __call__(self, read: Read, rng: np.random.Generator) -> Observation:
@@ -96,9 +99,8 @@ class Options:
         corners = read.corners if self.corners == "lines" else seen.corners
         false = rng.uniform((10, 90), (310, 230), (rng.poisson(self.false_corners), 2))
         measured = self._measure(seen.posts, np.vstack([corners.reshape(-1, 2), false]), view)
-        found = observation(
-            measured, self._tilt_covariance(read), CORNER_SIGMA[self.corners], post_sigma=self.post_sigma
-        )
+        corner_sigma = CORNER_SIGMA[self.corners] if self.corner_sigma is None else self.corner_sigma
+        found = observation(measured, self._tilt_covariance(read), corner_sigma, post_sigma=self.post_sigma)
         n = len(measured)
         if self.constant:
             found = replace(found, covariance=np.diag(np.tile(np.square(CONSTANT), n)), tilt=np.zeros((2, 2)))
@@ -146,6 +148,8 @@ class Score:
         NEES of the last pose, with 3 degrees of freedom.
     on_map, wrong : int
         Number of landmarks on the map, and number of wrong landmarks among them.
+    misled : int
+        The stop after which the estimate was inconsistent until the end, or -1.
     """
 
     position: float
@@ -154,6 +158,7 @@ class Score:
     nees: float
     on_map: int
     wrong: int
+    misled: int
 
 
 def run(
@@ -164,17 +169,20 @@ def run(
     pictures: int = 3,
 ) -> Score:
     """Run an algorithm over a drive; without `options`, it gets no measurements."""
-    algorithm, rng = make(reads[0].seen.pose), np.random.default_rng([seed, 21])
+    algorithm, rng, misled = make(reads[0].seen.pose), np.random.default_rng([seed, 21]), -1
     for number, read in enumerate(reads):
         if read.seen.motion is not None:
             algorithm.move(read.seen.motion)
         if options is not None and (pictures == 3 or number % 3 == 1):
             algorithm.observe(options(read, rng))
-    found, truth = algorithm.estimate(), reads[-1].seen.pose
-    away = np.array(
-        [found.pose.x - truth.x, found.pose.y - truth.y, wrap_angle(found.pose.theta - truth.theta)]
-    )
-    nees = squared_distances(away[None], found.covariance[None])[0]
+        if number % 3 == 2:
+            found = algorithm.estimate()
+            away = pose_errors(found.pose.as_array(), read.seen.pose.as_array())
+            nees = squared_distances(away[None], found.covariance[None] + SMALL * np.eye(3))[0]
+            if nees < INCONSISTENT:
+                misled = -1
+            elif misled < 0:
+                misled = number // 3
     off = np.linalg.norm(found.landmarks[:, None] - PLACES, axis=2).min(axis=1)
     typical = float(np.median(off)) if len(off) else float("nan")
     return Score(
@@ -184,4 +192,5 @@ def run(
         float(nees),
         len(off),
         int((off > WRONG).sum()),
+        misled,
     )

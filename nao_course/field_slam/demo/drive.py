@@ -29,7 +29,7 @@ from nao_course.student.notebooks import own_function
 
 USES = ("01:color_labels", "01:white_threshold", "02:find_goalposts", "11:measurements_from_pixels")
 ALGORITHMS = {"ekf": "11:EkfSlam", "graph": "11:GraphSlam"}
-CORNER_SIGMA = 0.5  # px at 320: standard deviation of a corner where two lines found by the library meet
+CORNER_SIGMA = 0.35  # px at 320: standard deviation of a corner where two lines found by the library meet
 FARTHEST = 6.0  # m: largest range of a measurement that is used
 GATE = 4.0  # standard deviations
 
