@@ -18,6 +18,7 @@ BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with
     "graphs": ("ekf_and_graph", "linear_graphs", "pose_graphs"),
     "field": (
         "association",
+        "calibration",
         "compass",
         "field_ideas",
         "field_slam",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from benchmarks import RESULTS
 from nao_course.field_slam import calibration
 from nao_course.field_slam.calibration import CameraCalibration
 from nao_course.field_slam.drives import INSIDE, YAWS
@@ -16,6 +18,7 @@ from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, Field
 from tests.field_slam.test_compass import lines_in
 from tests.field_slam.test_observation import HEAD_PITCH
+from tests.paths import PROJECT
 
 FIELD = Field(2012)
 OFFSETS = [(0.0, 0.0), (8.0, 3.0), (-8.0, -3.0), (4.0, -2.0)]  # degrees
@@ -120,3 +123,16 @@ def test_the_view_for_reading_approaches_the_calibrated_one():
     assert np.degrees([corrected.pitch - view.pitch, corrected.roll]) == pytest.approx((4.0, -2.0), abs=0.8)
     assert own.is_certain and not CameraCalibration().is_certain
     assert 0 < own.reading_view(view).pitch - own.corrected(view).pitch < np.radians(1.2)
+
+
+def test_the_docs_state_how_well_simulated_cameras_are_calibrated():
+    found = json.loads((RESULTS / "calibration.json").read_text(encoding="utf-8"))
+    docs = (PROJECT / "docs" / "real_data.md").read_text(encoding="utf-8")
+    keys = ("pitch rms", "roll rms", "pitch sigma", "roll sigma", "NEES mean")
+    for number, row in found["after"].items():
+        assert f"| {number} | {' | '.join(f'{row[key]:.2f}' for key in keys)} |" in docs
+    low, high = found["NEES band"]
+    assert f"lies between {low:.2f} and {high:.2f}" in docs
+    assert all(
+        low / 1.01 < row["NEES mean"] < high for number, row in found["after"].items() if number != "1"
+    )
