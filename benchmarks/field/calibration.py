@@ -17,7 +17,7 @@ from scipy.stats import chi2
 from benchmarks import Result, Table
 from benchmarks.field.field_slam.detections import detections, prepare, shots
 from benchmarks.field.field_slam.report import FRESH
-from nao_course.field_slam.calibration import CameraCalibration
+from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.lines import read_lines
 from nao_course.geometry import FloatArray
 

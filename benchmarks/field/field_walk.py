@@ -21,11 +21,11 @@ from benchmarks.simulator.reality.figure import LINE_COLOUR, field_curves
 from nao_course.datasets import RealPicture, read_pictures
 from nao_course.field_slam.adaptive_noise import FACTORS
 from nao_course.field_slam.association import associate_jointly
-from nao_course.field_slam.calibration import CameraCalibration
 from nao_course.field_slam.compass import COMPASS_SIGMA, wrap_quarter
 from nao_course.field_slam.demo.drive import GATE, Functions, demo_functions, see_all
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import JointFilter, JointUpdate
+from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.observation import Observation
 from nao_course.field_slam.walk import FIELD, PITCH_OFFSET, Frame, real_walk, walk_view
 from nao_course.geometry import FloatArray, Pose, pose_errors

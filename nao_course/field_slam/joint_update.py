@@ -18,8 +18,8 @@ from scipy.linalg import block_diag
 
 from nao_course.field_slam.adaptive_noise import FACTORS, AdaptiveOdometryNoise, OdometryModel
 from nao_course.field_slam.association import landmark_jacobian
-from nao_course.field_slam.circle import Circle, find_circle
 from nao_course.field_slam.compass import AGREES, BodyTilt, wrap_quarter
+from nao_course.field_slam.known_shapes.circle import Circle, find_circle
 from nao_course.field_slam.likelihood import (
     Part,
     PictureLikelihood,

@@ -10,9 +10,9 @@ import pytest
 from scipy.stats import chi2
 
 from benchmarks import RESULTS
-from nao_course.field_slam import calibration
-from nao_course.field_slam.calibration import CameraCalibration
 from nao_course.field_slam.drives import INSIDE, YAWS
+from nao_course.field_slam.known_shapes import calibration
+from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.observation import POST_RADIUS, TILT_SIGMAS, tilted
 from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, Field

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from nao_course.field_slam.association import associate_jointly
-from nao_course.field_slam.circle import RADIUS, Circle, find_circle
 from nao_course.field_slam.compass import BodyTilt, tilt_from_lines, wrap_quarter
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import (
@@ -19,6 +18,7 @@ from nao_course.field_slam.joint_update import (
     field_lines,
     scene,
 )
+from nao_course.field_slam.known_shapes.circle import RADIUS, Circle, find_circle
 from nao_course.field_slam.lines import to_ground
 from nao_course.field_slam.observation import observation, tilted
 from nao_course.geometry import Pose, wrap_angle

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from nao_course.field_slam.association import associate_jointly
-from nao_course.field_slam.circle import Circle
 from nao_course.field_slam.compass import QUARTER, wrap_quarter
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, Scene
@@ -16,6 +15,7 @@ from nao_course.field_slam.kidnapping import recovery
 from nao_course.field_slam.kidnapping.grid import CELL, PoseGrid, compass_likelihood
 from nao_course.field_slam.kidnapping.likelihood import KnownMap, StopView, log_likelihood
 from nao_course.field_slam.kidnapping.recovery import LEAST_STOPS, KidnapRecovery
+from nao_course.field_slam.known_shapes.circle import Circle
 from nao_course.field_slam.observation import observation
 from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.geometry import Pose, wrap_angle

@@ -13,8 +13,8 @@ from scipy.stats import chi2
 from benchmarks import RESULTS
 from nao_course.datasets import AnnotatedPoint, RealPicture
 from nao_course.field_slam import walk
-from nao_course.field_slam.calibration import CameraCalibration
 from nao_course.field_slam.demo import drive as demo
+from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.geometry import Pose
 from tests.paths import PROJECT
 

@@ -14,10 +14,10 @@ import numpy.typing as npt
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.datasets import read_pictures
 from nao_course.field_slam.association import associate_jointly
-from nao_course.field_slam.calibration import CameraCalibration
 from nao_course.field_slam.compass import tilt_from_lines
 from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field
 from nao_course.field_slam.joint_update import scene
+from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.lines import corners_of_lines, read_lines
 from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observation, observation, tilted
 from nao_course.field_slam.surest_first import SurestFirst

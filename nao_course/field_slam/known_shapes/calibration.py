@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import gaussian_filter
 
-from nao_course.field_slam.circle import RADIUS, SEGMENT_LENGTH
 from nao_course.field_slam.compass import (
     DIRECTION_SIGMA,
     END_SIGMA,
@@ -24,6 +23,7 @@ from nao_course.field_slam.compass import (
     LENGTHS,
     wrap_quarter,
 )
+from nao_course.field_slam.known_shapes.circle import RADIUS, SEGMENT_LENGTH
 from nao_course.field_slam.observation import FOCAL, PIXEL_SIGMA, POST_RADIUS, TILT_SIGMAS, tilt_covariance
 from nao_course.geometry import FloatArray, rotation_2d
 from nao_course.sim import CameraView, Field
