@@ -178,6 +178,9 @@ def lab(context: typer.Context) -> None:
 @app.command()
 def demo(
     slam: str = typer.Option("both", help="ekf, graph or both."),
+    joint: bool = typer.Option(
+        False, "--joint", help="Let your EKF use lines and the centre circle too, with several hypotheses."
+    ),
     seed: int = typer.Option(1, min=0, help="Seed of the drive: start, route, errors and room."),
     out: Path = typer.Option(Path("demo"), help="Folder for the figure, the film and the errors."),
     walk: Path | None = typer.Option(
@@ -192,12 +195,14 @@ def demo(
 
         if slam not in (*drive.ALGORITHMS, "both"):
             raise ValueError(f"--slam must be ekf, graph or both, got {slam}")
+        if joint and slam == "graph":
+            raise ValueError("--joint works with the EKF: use it with --slam ekf or both")
         chosen = list(drive.ALGORITHMS) if slam == "both" else [slam]
         report.make_folder(out)
         solutions = Path("solutions")  # in the course's repository, the solutions drive
         functions = drive.demo_functions(chosen, solutions if solutions.is_dir() else _notebooks())
         frames, pictures, field = drive.route(seed, walk)
-        story = drive.run_demo(functions, track(frames, "driving", pictures, console=console), chosen)
+        story = drive.run_demo(functions, track(frames, "driving", pictures, console=console), chosen, joint)
         for line in report.in_words(story, field):
             _say(line)
         for path in film.write_all(story, field, out):

@@ -22,7 +22,7 @@ from benchmarks.field.field_slam.algorithms import FILTER, Make, joint_update, s
 from benchmarks.field.field_slam.detections import detections, prepare, shots
 from benchmarks.field.field_slam.report import BEST, summary
 from benchmarks.field.field_slam.variants import Options, Read, Score, run
-from nao_course.field_slam.demo.drive import CORNER_SIGMA
+from nao_course.field_slam.demo.drive import JOINT_CORNER_SIGMA
 from nao_course.metrics import band
 
 # Nothing was tuned on these drives. JointUpdate and MultipleHypotheses were tuned on seeds 200 to 229.
@@ -53,7 +53,7 @@ HARDSHIPS = {
     "0.3 false corners per picture": Hardship(false_corners=0.3),
     "odometry twice as bad as stated": Hardship(factor=2.0),
 }
-WHOLE = Options(lines=True, compass=True, whole=True, corner_sigma=CORNER_SIGMA)
+WHOLE = Options(lines=True, compass=True, whole=True, corner_sigma=JOINT_CORNER_SIGMA)
 ALGORITHMS: dict[str, tuple[Options, Make]] = {
     "surest first": (BEST, surest_first(FILTER)),
     "joint update": (WHOLE, surest_first(joint_update)),

@@ -19,7 +19,6 @@ from benchmarks.pictures.distance import marked, offset_of
 from benchmarks.simulator.reality import corrected_walk
 from benchmarks.simulator.reality.figure import LINE_COLOUR, field_curves
 from nao_course.datasets import RealPicture, read_pictures
-from nao_course.field_slam.adaptive_noise import FACTORS
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import COMPASS_SIGMA, wrap_quarter
 from nao_course.field_slam.demo.drive import GATE, Functions, demo_functions, see_all
@@ -146,7 +145,7 @@ def maker(classes: Classes, name: str | None, joint: bool = False) -> Make:
 
     def make(start: Pose) -> SlamAlgorithm:
         inner = classes[name](start, OdometryNoisePerMove(), GATE, associate_jointly)
-        return JointUpdate(cast(JointFilter, inner), FACTORS) if joint else inner
+        return JointUpdate(cast(JointFilter, inner)) if joint else inner
 
     return make
 

@@ -16,7 +16,8 @@ from nao_course.datasets import read_pictures
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import tilt_from_lines
 from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field
-from nao_course.field_slam.joint_update import scene
+from nao_course.field_slam.hypotheses import MultipleHypotheses
+from nao_course.field_slam.joint_update import JointUpdate, scene
 from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.lines import corners_of_lines, read_lines
 from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observation, observation, tilted
@@ -29,7 +30,9 @@ from nao_course.student.notebooks import own_function
 
 USES = ("01:color_labels", "01:white_threshold", "02:find_goalposts", "11:measurements_from_pixels")
 ALGORITHMS = {"ekf": "11:EkfSlam", "graph": "11:GraphSlam"}
-CORNER_SIGMA = 0.35  # px at 320: standard deviation of a corner where two lines found by the library meet
+# px at 320: standard deviations of a corner where two lines found by the library meet. Both are chosen for a consistent
+# NEES; a filter without the lines makes other errors, which the larger one covers.
+CORNER_SIGMA, JOINT_CORNER_SIGMA = 0.5, 0.35
 FARTHEST = 6.0  # m: largest range of a measurement that is used
 GATE = 4.0  # standard deviations
 
@@ -201,7 +204,8 @@ def _measure(
     measured = functions["measurements_from_pixels"](found.posts, corners, level)
     near = [each for each in measured if each.range < farthest]
     compass = tilt.direction, tilt.direction_sigma
-    seen = observation(near, tilt.covariance[:2, :2], CORNER_SIGMA, *compass, POST_SIGMA)
+    corner_sigma = JOINT_CORNER_SIGMA if joint else CORNER_SIGMA
+    seen = observation(near, tilt.covariance[:2, :2], corner_sigma, *compass, POST_SIGMA)
     return scene(seen, tilt, found.lines, level) if joint else seen
 
 
@@ -234,7 +238,9 @@ def demo_functions(slam: Sequence[str], notebooks: Path) -> Functions:
     return found
 
 
-def run_demo(functions: Functions, frames: Iterable[Frame], slam: Sequence[str]) -> Story:
+def run_demo(
+    functions: Functions, frames: Iterable[Frame], slam: Sequence[str], joint: bool = False
+) -> Story:
     """Run the algorithms, independently of each other, over the pictures of a drive.
 
     Parameters
@@ -245,6 +251,9 @@ def run_demo(functions: Functions, frames: Iterable[Frame], slam: Sequence[str])
         Pictures of a drive or a walk.
     slam : sequence of "ekf" or "graph"
         Algorithms that run.
+    joint : bool
+        Whether the EKF also uses the lines and the centre circle, and keeps several hypotheses: the student's filter in
+        a `JointUpdate` and `MultipleHypotheses`.
 
     Returns
     -------
@@ -253,15 +262,11 @@ def run_demo(functions: Functions, frames: Iterable[Frame], slam: Sequence[str])
     """
     story = Story(estimates={name: [] for name in slam}, slam={name: [] for name in slam})
     algorithms: dict[str, SlamAlgorithm] = {}
-    for stop in _stops(see_all(functions, frames)):
+    for stop in _stops(see_all(functions, frames, joint=joint)):
         first = stop[0].frame
         motion = first.motion
         if not algorithms:
-            kinds = {name: functions[ALGORITHMS[name].partition(":")[2]] for name in slam}
-            algorithms = {
-                name: SurestFirst(kind(first.pose, OdometryNoisePerMove(), GATE, associate_jointly))
-                for name, kind in kinds.items()
-            }
+            algorithms = {name: _algorithm(functions, name, first.pose, joint) for name in slam}
         last = story.odometry[-1] if story.odometry else first.pose
         story.odometry += [last @ motion.as_pose() if motion else last] * len(stop)
         story.frames += [each.frame for each in stop]
@@ -276,6 +281,12 @@ def run_demo(functions: Functions, frames: Iterable[Frame], slam: Sequence[str])
             story.estimates[name] += [algorithm.estimate()] * len(stop)
             story.slam[name] += [(time.perf_counter() - began) / len(stop)] * len(stop)
     return story
+
+
+def _algorithm(functions: Functions, name: str, start: Pose, joint: bool) -> SlamAlgorithm:
+    kind = functions[ALGORITHMS[name].partition(":")[2]]
+    inner = kind(start, OdometryNoisePerMove(), GATE, associate_jointly)
+    return SurestFirst(MultipleHypotheses(JointUpdate(inner)) if joint and name == "ekf" else inner)
 
 
 def _stops(pictures: Iterable[Seen]) -> Iterator[list[Seen]]:

@@ -14,9 +14,10 @@ from nao_course.cli import app
 from nao_course.field_slam.demo import drive, film, report
 from nao_course.field_slam.walk import Frame
 from nao_course.geometry import Pose
+from nao_course.instructor.authoring.plans import load_solution
 from nao_course.sim import NAO_V4, Field, Reality, render
 from nao_course.slam import DeadReckoning, Motion
-from tests.paths import PROJECT
+from tests.paths import PROJECT, SOLUTIONS
 
 
 class Blind(DeadReckoning):
@@ -60,6 +61,18 @@ def rendered(number, offset):
             Field(2012), pose, replace(assumed, pitch=assumed.pitch + offset), Reality.lab(3), rng
         )
         yield Frame(None, pixels, assumed, pose, calibrated=False)
+
+
+def test_with_the_joint_update_the_ekf_uses_lines_and_its_map_has_only_corners_and_posts():
+    solution = load_solution(SOLUTIONS / "11_slam_on_the_field.ipynb")
+    functions = FUNCTIONS | {"EkfSlam": solution["EkfSlam"], "GraphSlam": solution["GraphSlam"]}
+    pictures = [replace(frame, calibrated=True) for frame in rendered(3, 0.0)]
+    pictures[1] = replace(pictures[1], motion=Motion(0.02, 0.6))
+    stories = [drive.run_demo(functions, pictures, ["ekf", "graph"], joint) for joint in (False, True)]
+    assert [any(hasattr(seen, "lines") for seen in story.seen) for story in stories] == [False, True]
+    covariances = [story.estimates["ekf"][-1].covariance for story in stories]
+    assert not np.allclose(*covariances)
+    assert set(stories[1].estimates["ekf"][-1].kinds) <= {"corner", "post"}
 
 
 def test_the_first_pictures_wait_until_the_camera_is_calibrated():
