@@ -19,10 +19,12 @@ import numpy as np
 from rich.progress import track
 
 from benchmarks import Result, Table
-from benchmarks.field.field_slam.algorithms import adaptive_update, surest_first
+from benchmarks.field.field_slam.algorithms import joint_update, surest_first
 from benchmarks.field.field_slam.detections import Seen, detections, prepare
-from benchmarks.field.field_slam.report import FRESH, WHOLE
+from benchmarks.field.field_slam.report import FRESH
 from benchmarks.field.field_slam.variants import Read
+from benchmarks.field.field_tails import WHOLE
+from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.kidnapping.recovery import TRUSTED, KidnapRecovery
 from nao_course.field_slam.observation import Observation
 from nao_course.geometry import Pose, wrap_angle
@@ -168,14 +170,14 @@ def ordinary(seed: int) -> tuple[int, int, list[Step]]:
     found = steps(KidnapRecovery(_filter(stops)), stops)
     if not found[-1].alarms:
         return 0, 0, found
-    plain = steps(surest_first(adaptive_update)(stops[0][0].pose), stops)
+    plain = steps(surest_first(joint_update)(stops[0][0].pose), stops)
     alarms = [number for number in range(1, len(found)) if found[number].alarms > found[number - 1].alarms]
     false = [n for n in alarms if plain[n].error <= RIGHT[0] and plain[n].turned <= RIGHT[1]]
     return len(alarms), len(false), found
 
 
-def _filter(stops: Sequence[Stop]) -> Any:
-    return adaptive_update(stops[0][0].pose)
+def _filter(stops: Sequence[Stop]) -> JointUpdate:
+    return joint_update(stops[0][0].pose)
 
 
 def _first(found: Sequence[Step], holds: Callable[[Step], bool]) -> int:

@@ -191,6 +191,22 @@ def test_a_wrong_commitment_is_taken_back(mapped, monkeypatch):
     assert wrong == 1
 
 
+def test_what_is_mapped_from_a_wrong_pose_does_not_support_that_pose(mapped, monkeypatch):
+    slam, _ = mapped()
+    monkeypatch.setattr(recovery, "LOST", 2.0)  # it keeps the filter, which maps everything a second time
+    known, compared = len(slam.estimate().landmarks), []
+
+    def spy(stop, on_map, *others):
+        compared.append(len(on_map.points))
+        return log_likelihood(stop, on_map, *others)
+
+    monkeypatch.setattr(recovery, "log_likelihood", spy)
+    drive(slam, CARRIED_TO, 4)
+    assert slam.lost_probability > 0.99
+    assert len(slam.estimate().landmarks) > known + 2
+    assert set(compared) == {known}
+
+
 def test_a_stop_without_compass_or_landmarks_changes_no_decision(mapped):
     slam, _ = mapped(SYMMETRIC, Pose(0.0, -0.6, 0.0), AROUND)
     drive(slam, CARRIED_TO, 2, SYMMETRIC)

@@ -144,3 +144,12 @@ def test_figure_and_table_have_all_of_it():
     assert len(rows) == len(VARIANTS) - COMPLETE and rows[0][0] == EKF
     assert not any("e+" in cell or "more than" in cell for row in rows for cell in row)
     assert len(VARIANTS) == len(recorded_variants())
+
+
+def test_the_text_says_how_many_kidnapped_robots_find_their_pose():
+    found = json.loads((RESULTS / "kidnapping.json").read_text(encoding="utf-8"))["kidnapped"]
+    ending = (
+        (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8").partition("## What you have")[2]
+    )
+    back, drives = found["both, and no alarm before"], found["drives"]
+    assert f"is within 5 cm again after seven stops in {back} of {drives} drives" in ending

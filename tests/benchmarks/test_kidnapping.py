@@ -1,0 +1,72 @@
+"""Kidnapped robots: how drives are spliced and judged, and that the recorded result is as good as required."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from benchmarks import RESULTS
+from benchmarks.field import kidnapping
+from benchmarks.field.kidnapping import (
+    AFTERWARDS,
+    ELSEWHERE,
+    FIRST,
+    LAST,
+    NEVER,
+    Kidnapping,
+    spliced,
+    summary,
+)
+from nao_course.geometry import Pose
+
+GOOD = Kidnapping(noticed=1, back=0, error=0.01, end=0.02, wrong=0, early=0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_robot_is_carried_to_another_place_of_another_drive(seed, monkeypatch):
+    def drive(number):
+        places = np.random.default_rng(number).uniform(0, 1.5, (61, 2))
+        return [[SimpleNamespace(pose=Pose(*place.tolist(), 0.0), drive=number)] for place in places]
+
+    monkeypatch.setattr(kidnapping, "stops_of", drive)
+    stops, first = spliced(seed, seed + 1)
+    assert FIRST <= first <= LAST and len(stops) >= first + AFTERWARDS
+    assert [stop[0].drive for stop in stops] == [seed] * first + [seed + 1] * (len(stops) - first)
+    here, there = drive(seed)[first][0].pose, stops[first][0].pose
+    assert np.hypot(there.x - here.x, there.y - here.y) >= ELSEWHERE
+
+
+@pytest.mark.parametrize(
+    ("change", "success"),
+    [
+        ({}, True),
+        ({"noticed": 2, "back": 5}, True),
+        ({"noticed": 3}, False),
+        ({"noticed": NEVER, "back": NEVER}, False),
+        ({"back": 6}, False),
+        ({"early": 1}, False),
+    ],
+)
+def test_a_robot_succeeds_if_it_notices_and_is_back_in_time_without_an_alarm_before(change, success):
+    result = replace(GOOD, **change)
+    assert result.success == success
+    found = summary([GOOD, result])
+    assert found["both, and no alarm before"] == 1 + success
+
+
+def test_the_recorded_robots_notice_and_are_back_and_few_ordinary_drives_raise_an_alarm():
+    found = json.loads((RESULTS / "kidnapping.json").read_text(encoding="utf-8"))
+    carried, ordinary, times = found["kidnapped"], found["ordinary"], found["ms a picture"]
+    assert carried["drives"] == 100
+    assert carried["both, and no alarm before"] >= 95
+    assert sum(part["drives"] for part in ordinary.values()) == 300
+    assert sum(part["false alarms"] for part in ordinary.values()) <= 3
+    assert all(part["off by more than 0.15 m at the end"] == 0 for part in ordinary.values())
+    assert times["with hypotheses"]["95 %"] <= 40 and times["without"]["95 %"] <= 20
+    assert summary([Kidnapping(**each) for each in found["each"].values()]) == pytest.approx(
+        carried, abs=1e-3
+    )
