@@ -40,7 +40,7 @@ class Hypothesis(NamedTuple):
     Parameters
     ----------
     log_probability : float
-        Log of the probability that these decisions are right and those of all other hypotheses wrong.
+        Log of the probability that this hypothesis is right and all others are wrong.
     slam : JointUpdate
         Filter that was updated according to them.
     """
@@ -53,8 +53,8 @@ class MultipleHypotheses(SlamAlgorithm):
     """Multiple hypothesis tracking: keep several filters that decided differently about ambiguous pictures.
 
     Each filter uses a picture as its own association demands. Copies of it ignore the picture's landmarks, its lines
-    and circle, both, or its compass and lines. The probability of each follows from the likelihood of what it uses and
-    from the density of false and new measurements. Later pictures decide between them.
+    and circle, both, or its compass and lines. The probability of each follows from the likelihood of the measurements
+    that it uses, and from the density of false and new measurements. Later pictures decide between them.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class MultipleHypotheses(SlamAlgorithm):
             each.slam.move(motion)
 
     def observe(self, measurements: Sequence[Measurement]) -> None:
-        """Update all hypotheses with a picture, add those that ignore a part of it, and keep the most probable."""
+        """Update all hypotheses with a picture, add copies that ignore a part of it, and keep the most probable."""
         seen = as_observation(measurements)
         before = [deepcopy(each.slam) for each in self.hypotheses]
         found = []

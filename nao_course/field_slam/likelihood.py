@@ -36,7 +36,7 @@ class PictureLikelihood:
     parts : ndarray of str, shape (m,)
         Part that each innovation belongs to.
     others : mapping of Part to (float, float)
-        Of each part, the log density of its other measurements, and that of all its measurements if it is ignored.
+        Of each part, the log density of its other measurements, and of all its measurements if it is ignored.
     """
 
     innovation: FloatArray
@@ -45,7 +45,7 @@ class PictureLikelihood:
     others: Mapping[Part, tuple[float, float]]
 
     def log_density(self, ignored: Collection[Part] = ()) -> float:
-        """Return the log density of all measurements, if those of some parts are ignored."""
+        """Return the log density of all measurements, if the measurements of some parts are ignored."""
         kept = np.isin(self.parts, list(ignored), invert=True)
         others = sum(densities[part in ignored] for part, densities in self.others.items())
         return gaussian_log_density(self.innovation[kept], self.S[np.ix_(kept, kept)]) + others
@@ -64,7 +64,7 @@ def gaussian_log_density(innovation: FloatArray, S: FloatArray) -> float:
 
 
 def compass_log_densities(innovation: float, variance: float) -> tuple[float, float]:
-    """Return the log density of a compass reading, and that of a reading that has nothing to do with the heading.
+    """Return the log densities of a compass reading, and of a reading that has nothing to do with the heading.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def compass_log_densities(innovation: float, variance: float) -> tuple[float, fl
 
 
 def landmark_log_densities(seen: Observation, explained: npt.ArrayLike) -> tuple[float, float]:
-    """Return the log density of the landmarks that the map does not explain, and that of all if they are ignored.
+    """Return the log densities of the landmarks that the map does not explain, and of all if they are ignored.
 
     Parameters
     ----------
@@ -95,6 +95,6 @@ def landmark_log_densities(seen: Observation, explained: npt.ArrayLike) -> tuple
 
 
 def line_log_densities(lines: int, circles: int, lines_known: int, circles_known: int) -> tuple[float, float]:
-    """Return the log density of the lines and circles that the map does not explain, and that of all if ignored."""
+    """Return the log densities of the lines and circles that the map does not explain, and of all if ignored."""
     new = (lines - lines_known) * np.log(LINES) + (circles - circles_known) * np.log(CIRCLES)
     return float(new), float(lines * np.log(IGNORED * LINES) + circles * np.log(IGNORED * CIRCLES))

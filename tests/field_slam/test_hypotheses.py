@@ -26,7 +26,7 @@ from nao_course.slam import Measurement, Motion, range_and_bearing
 from tests.paths import SOLUTIONS
 
 START, CORNERS = Pose(0.0, 0.0, 0.0), ((2.0, -0.6), (2.0, 0.6), (3.0, 1.5), (3.0, -1.5))
-TWIN = (2.0, 0.95)  # a corner that is not on the map, near one that is
+TWIN = (2.0, 0.95)  # a corner that is not on the map, near a corner of the map
 STEP = Motion(0.3, 0.0)
 
 
