@@ -112,7 +112,11 @@ class Seen(NamedTuple):
 
 
 def see(
-    functions: Functions, pixels: npt.NDArray[np.uint8], view: CameraView, farthest: float = FARTHEST
+    functions: Functions,
+    pixels: npt.NDArray[np.uint8],
+    view: CameraView,
+    farthest: float = FARTHEST,
+    joint: bool = False,
 ) -> Observation:
     """Make an observation from a picture with the student's functions and the library's detection of lines.
 
@@ -126,8 +130,10 @@ def see(
         Assumed view of the camera.
     farthest : float
         Largest range of a measurement that is used, m.
+    joint : bool
+        Whether the observation is a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
     """
-    return _measure(functions, _detect(functions, pixels, view), view, farthest)
+    return _measure(functions, _detect(functions, pixels, view), view, farthest, joint=joint)
 
 
 def see_all(
