@@ -7,7 +7,7 @@ D. B. Reid, *An algorithm for tracking multiple targets*, IEEE Transactions on A
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from typing import NamedTuple
@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from nao_course.field_slam.joint_update import JointUpdate, Scene
-from nao_course.field_slam.likelihood import Part
+from nao_course.field_slam.likelihood import Part, PictureLikelihood
 from nao_course.field_slam.observation import Observation, as_observation
 from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm
@@ -53,8 +53,9 @@ class MultipleHypotheses(SlamAlgorithm):
     """Multiple hypothesis tracking: keep several filters that decided differently about ambiguous pictures.
 
     Each filter uses a picture as its own association demands. Copies of it ignore the picture's landmarks, its lines
-    and circle, both, or its compass and lines. The probability of each follows from the likelihood of the measurements
-    that it uses, and from the density of false and new measurements. Later pictures decide between them.
+    and circle, both, or its compass and lines, or use the second nearest of the compass's four headings. The
+    probability of each follows from the likelihood of the measurements that it uses, and from the density of false and
+    new measurements. Later pictures decide between them.
 
     Parameters
     ----------
@@ -89,14 +90,12 @@ class MultipleHypotheses(SlamAlgorithm):
             found.append(Hypothesis(log_probability + slam.likelihood.log_density(), slam))
         least = max(each.log_probability for each in found) + LEAST
         for earlier, (log_probability, slam) in zip(before, self.hypotheses, strict=True):
-            for parts in IGNORABLE:
-                ignored = slam.likelihood.ignored(parts)
-                if ignored and log_probability + slam.likelihood.log_density(parts) >= least:
+            for expected, part, quarter, ignored in _alternatives(slam.likelihood, seen):
+                if log_probability + expected >= least:
                     other = deepcopy(earlier)
-                    other.observe(without(seen, parts))
-                    found.append(
-                        Hypothesis(log_probability + other.likelihood.log_density() + ignored, other)
-                    )
+                    other.observe(part, quarter)
+                    log_density = other.likelihood.log_density() + ignored
+                    found.append(Hypothesis(log_probability + log_density, other))
         self.hypotheses = self._most_probable(found)
 
     def estimate(self) -> Estimate:
@@ -127,6 +126,23 @@ class MultipleHypotheses(SlamAlgorithm):
         total = logsumexp([each.log_probability for each in kept])
         kept = [Hypothesis(float(each.log_probability - total), each.slam) for each in kept]
         return sorted(kept, key=lambda each: -each.log_probability)
+
+
+def _alternatives(
+    likelihood: PictureLikelihood, seen: Observation
+) -> Iterator[tuple[float, Observation, int, float]]:
+    """Yield other ways to use a picture.
+
+    Each is the log density that is expected of it, the observation without the parts that are ignored, the quarter
+    turns of the compass, and the log density of the ignored parts.
+    """
+    for parts in IGNORABLE:
+        ignored = likelihood.ignored(parts)
+        if ignored:
+            yield likelihood.log_density(parts), without(seen, parts), 0, ignored
+    quarter, difference = likelihood.other_heading
+    if quarter:
+        yield likelihood.log_density() + difference, seen, quarter, 0.0
 
 
 def without(seen: Observation, parts: Collection[Part]) -> Observation:

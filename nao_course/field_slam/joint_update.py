@@ -18,7 +18,7 @@ from scipy.linalg import block_diag
 
 from nao_course.field_slam.adaptive_noise import FACTORS, AdaptiveOdometryNoise, OdometryModel
 from nao_course.field_slam.association import landmark_jacobian
-from nao_course.field_slam.compass import AGREES, BodyTilt, wrap_quarter
+from nao_course.field_slam.compass import AGREES, QUARTER, BodyTilt, wrap_quarter
 from nao_course.field_slam.known_shapes.circle import Circle, find_circle
 from nao_course.field_slam.likelihood import (
     Part,
@@ -26,6 +26,7 @@ from nao_course.field_slam.likelihood import (
     compass_log_densities,
     landmark_log_densities,
     line_log_densities,
+    other_heading_of,
 )
 from nao_course.field_slam.lines import to_ground
 from nao_course.field_slam.observation import CAMERA_HEIGHT, FOCAL, Observation, as_observation, tilt_jacobian
@@ -211,12 +212,24 @@ class JointUpdate(SlamAlgorithm):
         self._last = _Move(motion, self.inner.state.copy(), self.inner.covariance.copy())
         self.inner.move(motion)
 
-    def observe(self, measurements: Sequence[Measurement]) -> None:
-        """Update with a picture."""
+    def observe(self, measurements: Sequence[Measurement], quarter: int = 0) -> None:
+        """Update with a picture.
+
+        Parameters
+        ----------
+        measurements : sequence of Measurement
+            Measurements of the picture; a `Scene` also has lines and the centre circle.
+        quarter : int
+            By how many quarter turns the heading differs from the nearest one that the compass allows.
+        """
         seen = as_observation(measurements)
-        self._estimate_noise(seen)
-        innovation = float(wrap_quarter(-seen.direction - self.inner.state[2]))
-        compass = compass_log_densities(innovation, self.inner.covariance[2, 2] + seen.direction_sigma**2)
+        self._estimate_noise(seen, quarter)
+        innovation, P = self._heading_innovation(seen, quarter), self.inner.covariance
+        variance = P[2, 2] + seen.direction_sigma**2
+        compass = compass_log_densities(innovation, variance)
+        if quarter:  # the filter only knows the nearest heading
+            self.inner.state = self.inner.state + quarter * QUARTER * P[:, 2] / P[2, 2]
+            self.inner.state[2] = wrap_angle(self.inner.state[2])
         self.inner.use_compass(seen.direction, seen.direction_sigma)
         on_map = len(self.inner.kinds)
         self.inner.number(seen)
@@ -236,7 +249,9 @@ class JointUpdate(SlamAlgorithm):
             )
             found += [*of_lines, of_circle]
         others: dict[Part, tuple[float, float]] = {"compass": compass, "landmarks": landmarks, "lines": lines}
-        self.likelihood = PictureLikelihood(*self._correct([each for each in found if each], seen), others)
+        other_heading = other_heading_of(innovation, variance)
+        innovations = self._correct([each for each in found if each], seen)
+        self.likelihood = PictureLikelihood(*innovations, others, other_heading)
 
     def estimate(self) -> Estimate:
         """Return the estimate of the robot's pose and of the corners and posts."""
@@ -266,12 +281,15 @@ class JointUpdate(SlamAlgorithm):
         self.inner.covariance[:3], self.inner.covariance[:, :3] = 0.0, 0.0
         self.inner.covariance[:3, :3] = covariance
 
-    def _estimate_noise(self, seen: Observation) -> None:
+    def _heading_innovation(self, seen: Observation, quarter: int) -> float:
+        return float(wrap_quarter(-seen.direction - self.inner.state[2])) + quarter * QUARTER
+
+    def _estimate_noise(self, seen: Observation, quarter: int) -> None:
         """Estimate the odometry's noise if the first picture after a motion has a compass, and predict again."""
         last, self._last = self._last, None
         if last is None or not np.isfinite(seen.direction_sigma):
             return
-        innovation = float(wrap_quarter(-seen.direction - self.inner.state[2]))
+        innovation = self._heading_innovation(seen, quarter)
         self.odometry.learn(innovation, last.covariance[2, 2] + seen.direction_sigma**2, last.motion)
         self.inner.state, self.inner.covariance = last.state, last.covariance
         self.inner.move(last.motion)

@@ -37,12 +37,16 @@ class PictureLikelihood:
         Part that each innovation belongs to.
     others : mapping of Part to (float, float)
         Of each part, the log density of its other measurements, and of all its measurements if it is ignored.
+    other_heading : (int, float)
+        Second nearest heading that the compass allows, as a number of quarter turns from the nearest one, and its log
+        density minus the log density of the nearest one.
     """
 
     innovation: FloatArray
     S: FloatArray
     parts: npt.NDArray[np.str_]
     others: Mapping[Part, tuple[float, float]]
+    other_heading: tuple[int, float]
 
     def log_density(self, ignored: Collection[Part] = ()) -> float:
         """Return the log density of all measurements, if the measurements of some parts are ignored."""
@@ -77,6 +81,14 @@ def compass_log_densities(innovation: float, variance: float) -> tuple[float, fl
         return 0.0, 0.0
     gaussian = np.exp(-0.5 * innovation**2 / variance) / np.sqrt(2 * np.pi * variance)
     return float(np.log((1 - OUTLIERS) * gaussian + OUTLIERS / QUARTER)), float(np.log(OUTLIERS / QUARTER))
+
+
+def other_heading_of(innovation: float, variance: float) -> tuple[int, float]:
+    """Return `PictureLikelihood.other_heading` of a compass reading; see `compass_log_densities`."""
+    if not np.isfinite(variance):
+        return 0, -np.inf
+    quarter = -1 if innovation > 0 else 1
+    return quarter, float((innovation**2 - (innovation + quarter * QUARTER) ** 2) / (2 * variance))
 
 
 def landmark_log_densities(seen: Observation, explained: npt.ArrayLike) -> tuple[float, float]:

@@ -158,6 +158,21 @@ def test_a_wrong_association_is_taken_back_when_later_pictures_contradict_it(joi
     assert np.hypot(*alone.estimate().pose.as_array()[:2] - pose.as_array()[:2]) > 0.1
 
 
+def test_a_turn_that_is_wrong_by_more_than_the_compass_can_tell_is_recognised_by_the_landmarks(joint, ekf):
+    alone = JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+    many, true = MultipleHypotheses(joint), Pose(0.0, 0.0, 1.7)
+    for each in (many, alone):
+        each.observe(seen_from(START))
+        each.move(
+            Motion(0.0, 0.87)
+        )  # wrong by 48 degrees, so the nearest heading of the compass is wrong by 90
+        for _ in range(2):
+            each.observe(seen_from(true, compass=0.01))
+    assert alone.estimate().pose.theta == pytest.approx(true.theta - np.pi / 2, abs=0.05)
+    assert many.estimate().pose.as_array() == pytest.approx(true.as_array(), abs=0.02)
+    assert many.best.odometry.factor > 1.5
+
+
 def test_probabilities_add_up_and_no_more_than_the_most_are_kept(joint):
     many = MultipleHypotheses(joint)
     pose = lost_by_a_twin(many)
