@@ -26,7 +26,7 @@ from nao_course.field_slam.demo.drive import JOINT_CORNER_SIGMA
 from nao_course.metrics import band
 
 # Nothing was tuned on these drives. JointUpdate and MultipleHypotheses were tuned on seeds 200 to 229.
-FRESH = {1.0: (*range(400, 500), *range(600, 700)), 2.0: range(600, 800)}
+FRESH = {1.0: (*range(400, 500), *range(600, 700)), 2.0: range(800, 1000)}
 
 
 class Hardship(NamedTuple):
