@@ -220,7 +220,7 @@ class JointUpdate(SlamAlgorithm):
         measurements : sequence of Measurement
             Measurements of the picture; a `Scene` also has lines and the centre circle.
         quarter : int
-            By how many quarter turns the heading differs from the nearest one that the compass allows.
+            By how many quarter turns the heading differs from the nearest heading of the compass.
         """
         seen = as_observation(measurements)
         self._estimate_noise(seen, quarter)

@@ -163,9 +163,8 @@ def test_a_turn_that_is_wrong_by_more_than_the_compass_can_tell_is_recognised_by
     many, true = MultipleHypotheses(joint), Pose(0.0, 0.0, 1.7)
     for each in (many, alone):
         each.observe(seen_from(START))
-        each.move(
-            Motion(0.0, 0.87)
-        )  # wrong by 48 degrees, so the nearest heading of the compass is wrong by 90
+        # Wrong by 48 degrees, so the nearest heading of the compass is wrong by 90.
+        each.move(Motion(0.0, 0.87))
         for _ in range(2):
             each.observe(seen_from(true, compass=0.01))
     assert alone.estimate().pose.theta == pytest.approx(true.theta - np.pi / 2, abs=0.05)
