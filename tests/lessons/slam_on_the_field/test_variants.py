@@ -141,7 +141,7 @@ def test_the_system_is_as_near_as_it_has_to_be():
         assert (
             row["position"] <= 0.01
             and row["position 95 %"] <= 0.05
-            and lost_of(name, "several hypotheses") <= 1
+            and lost_of(name, "several hypotheses") == 0
         )
     low, high = json.loads((RESULTS / "field_tails.json").read_text(encoding="utf-8"))["NEES band"]
     assert low <= of_hard_drives(NORMAL)["NEES mean"] <= high
