@@ -7,13 +7,12 @@ from typing import Protocol
 
 import numpy as np
 
-from nao_course.field_slam.compass import QUARTER
+from nao_course.field_slam.compass import reading_density
 from nao_course.geometry import FloatArray
 from nao_course.slam import Motion
 
 # Candidates for the ratio of true to stated standard deviation of the odometry.
 FACTORS = (1.0, 1.5, 2.0, 3.0)
-OUTLIERS = 0.01  # share of compass readings that have nothing to do with the heading
 
 
 class OdometryModel(Protocol):
@@ -63,5 +62,4 @@ class AdaptiveOdometryNoise:
             Motion before the reading.
         """
         variances = known_variance + self._factors**2 * self.stated.covariance(motion)[2, 2]
-        density = np.exp(-0.5 * innovation**2 / variances) / np.sqrt(2 * np.pi * variances)
-        self._log_weights = self._log_weights + np.log((1 - OUTLIERS) * density + OUTLIERS / QUARTER)
+        self._log_weights = self._log_weights + np.log(reading_density(innovation, variances))

@@ -14,6 +14,7 @@ from nao_course.geometry import FloatArray
 from nao_course.sim import CameraView
 
 QUARTER = np.pi / 2
+OUTLIERS = 0.01  # share of compass readings that have nothing to do with the heading
 COMPASS_SIGMA = float(np.radians(3))  # a direction with a larger standard deviation is not used as a compass
 END_SIGMA = 0.25  # px at 320: standard deviation of the end of a centre line, perpendicular to the line
 # Standard deviation of a line's direction from other causes: the lens model, and lines that were laid by hand.
@@ -67,6 +68,28 @@ class BodyTilt:
 def wrap_quarter(angle: npt.ArrayLike) -> FloatArray:
     """Wrap angles modulo 90 degrees into [-45, 45) degrees; rad."""
     return np.asarray((np.asarray(angle) + QUARTER / 2) % QUARTER - QUARTER / 2)
+
+
+def reading_density(innovation: float, variance: npt.ArrayLike, outliers: float = OUTLIERS) -> FloatArray:
+    """Return the density of a compass reading, per rad; a few readings have nothing to do with the heading.
+
+    Parameters
+    ----------
+    innovation : float
+        Measured minus predicted heading, rad.
+    variance : array_like, shape (...)
+        Variance of the innovation, rad^2.
+    outliers : float
+        Share of readings that have nothing to do with the heading.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Density for each variance.
+    """
+    v = np.asarray(variance, dtype=float)
+    gaussian = np.exp(-0.5 * innovation**2 / v) / np.sqrt(2 * np.pi * v)
+    return np.asarray((1 - outliers) * gaussian + outliers / QUARTER)
 
 
 def tilt_from_lines(

@@ -9,8 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.field_slam.adaptive_noise import OUTLIERS
-from nao_course.field_slam.compass import QUARTER
+from nao_course.field_slam.compass import OUTLIERS, QUARTER, reading_density
 from nao_course.field_slam.observation import Observation
 from nao_course.geometry import FloatArray
 from nao_course.slam import LandmarkKind
@@ -79,8 +78,7 @@ def compass_log_densities(innovation: float, variance: float) -> tuple[float, fl
     """
     if not np.isfinite(variance):
         return 0.0, 0.0
-    gaussian = np.exp(-0.5 * innovation**2 / variance) / np.sqrt(2 * np.pi * variance)
-    return float(np.log((1 - OUTLIERS) * gaussian + OUTLIERS / QUARTER)), float(np.log(OUTLIERS / QUARTER))
+    return float(np.log(reading_density(innovation, variance))), float(np.log(OUTLIERS / QUARTER))
 
 
 def other_heading_of(innovation: float, variance: float) -> tuple[int, float]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import gaussian_filter, shift
 
-from nao_course.field_slam.compass import QUARTER, wrap_quarter
+from nao_course.field_slam.compass import QUARTER, reading_density, wrap_quarter
 from nao_course.field_slam.kidnapping.likelihood import KnownMap, StopView, log_likelihood
 from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.slam import Motion
@@ -148,5 +148,4 @@ def compass_likelihood(innovation: float, variance: float) -> float:
     """Return the likelihood of a compass reading relative to a reading in any direction."""
     if not np.isfinite(variance):
         return 1.0
-    density = np.exp(-0.5 * innovation**2 / variance) / np.sqrt(2 * np.pi * variance)
-    return float((1 - COMPASS_OUTLIERS) * density * QUARTER + COMPASS_OUTLIERS)
+    return QUARTER * float(reading_density(innovation, variance, COMPASS_OUTLIERS))
