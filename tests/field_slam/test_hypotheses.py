@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
@@ -9,10 +11,12 @@ from scipy.stats import multivariate_normal
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import wrap_quarter
 from nao_course.field_slam.drives import OdometryNoisePerMove
-from nao_course.field_slam.hypotheses import MOST, MultipleHypotheses, without
+from nao_course.field_slam.hypotheses import MOST, Hypothesis, MultipleHypotheses, without
 from nao_course.field_slam.joint_update import JointUpdate, Scene
 from nao_course.field_slam.likelihood import (
+    CIRCLES,
     IGNORED,
+    LINES,
     UNEXPLAINED,
     compass_log_densities,
     gaussian_log_density,
@@ -191,3 +195,33 @@ def test_without_leaves_the_rest_of_an_observation():
     assert np.isinf(without(seen, ["compass", "lines"]).direction_sigma)
     plain = observation([], direction_sigma=0.1)
     assert without(plain, ["lines"]) is plain
+
+
+def test_the_second_nearest_heading_of_the_compass_is_a_quarter_turn_away(joint):
+    joint.observe(seen_from(START))
+    joint.move(Motion(0.0, 0.87))
+    joint.observe(seen_from(Pose(0.0, 0.0, 1.7), corners=[], compass=0.01), quarter=1)
+    assert joint.inner.state[2] == pytest.approx(1.7, abs=0.02)
+    assert joint.likelihood.other_heading[0] == -1
+
+
+def moved(slam, x):
+    """Return a copy of a filter whose position differs by x, with a standard deviation of 1 cm."""
+    copy = deepcopy(slam)
+    copy.inner.state = copy.inner.state + np.array([x, 0.0, 0.0])
+    copy.inner.covariance = 1e-4 * np.eye(3)
+    return copy
+
+
+def test_the_pose_covariance_contains_the_distance_of_the_hypotheses_and_equal_ones_are_merged(joint):
+    many, half = MultipleHypotheses(joint), float(np.log(0.5))
+    many.hypotheses = [Hypothesis(half, moved(joint, 0.0)), Hypothesis(half, moved(joint, 0.4))]
+    assert many.estimate().covariance[0, 0] == pytest.approx(1e-4 + 0.5 * 0.4**2)
+    three = [Hypothesis(float(np.log(p)), moved(joint, x)) for p, x in ((0.4, 0.4), (0.3, 0.0), (0.3, 1e-4))]
+    kept = many._most_probable(three)
+    assert np.exp([each.log_probability for each in kept]) == pytest.approx([0.6, 0.4])
+
+
+def test_ignored_lines_and_circles_cost_more_than_new_ones():
+    expected = 2 * np.log(IGNORED * LINES) + np.log(IGNORED * CIRCLES)
+    assert line_log_densities(2, 1, 2, 1)[1] == pytest.approx(expected)
