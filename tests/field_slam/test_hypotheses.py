@@ -225,3 +225,12 @@ def test_the_pose_covariance_contains_the_distance_of_the_hypotheses_and_equal_o
 def test_ignored_lines_and_circles_cost_more_than_new_ones():
     expected = 2 * np.log(IGNORED * LINES) + np.log(IGNORED * CIRCLES)
     assert line_log_densities(2, 1, 2, 1)[1] == pytest.approx(expected)
+
+
+def test_a_reading_halfway_between_two_headings_keeps_both(joint):
+    joint.inner.covariance = np.diag([1e-4, 1e-4, 0.4**2])
+    many = MultipleHypotheses(joint)
+    many.observe(seen_from(Pose(0.0, 0.0, 0.75), corners=[], compass=0.01))
+    headings = sorted(each.slam.inner.state[2] for each in many.hypotheses)
+    assert headings[0] == pytest.approx(0.75 - np.pi / 2, abs=0.01)
+    assert headings[-1] == pytest.approx(0.75, abs=0.01)
