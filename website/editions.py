@@ -93,6 +93,7 @@ EDITIONS = {
                 "for_students",
                 "setup",
                 "design",
+                "own_field",
                 "real_data",
                 "pictures",
                 "dependencies",

@@ -32,7 +32,7 @@ from nao_course.plotting.style import (
     course_style,
     style_of,
 )
-from nao_course.sim import Field
+from nao_course.sim import Field, FieldDimensions
 from nao_course.slam import Estimate, Measurement, measured_points, place_estimate
 
 if TYPE_CHECKING:
@@ -247,7 +247,7 @@ def draw_map(
     ax = figure.add_subplot()
     plot_field(field, ax, landmarks)
     if landmarks:
-        keys += landmark_keys(("corner", "post"), GREY, "the field's")
+        keys += landmark_keys(set(field.detectable_kinds), GREY, "the field's")
     for name, path in paths.items():
         plot_path(path, ax, name)
         keys.append(source_key(name))
@@ -301,4 +301,5 @@ def _say_kinds(kinds: Iterable[str]) -> str:
 def say_field(field: Field) -> str:
     """Return the name of a field and the directions of its axes."""
     part = "the half field" if field.half else "the field"
-    return f"{part} by the rules of {field.year}, x towards the goal, y to the left"
+    rules = "" if isinstance(field.rules, FieldDimensions) else f" by the rules of {field.rules}"
+    return f"{part}{rules}, x towards the goal, y to the left"

@@ -2,7 +2,8 @@
 
 from nao_course.sim.camera import NAO_V4, NAO_V6, CameraView, NaoModel
 from nao_course.sim.drives import repeat_drive
-from nao_course.sim.field import DIMENSIONS, Field, Landmark
+from nao_course.sim.field import Field, Landmark
+from nao_course.sim.fields import DIMENSIONS, FieldDimensions
 from nao_course.sim.nao import OdometryNoise, Picture, SensorNoise, SimulatedNao, TorsoTilt, Truth
 from nao_course.sim.reality import Reality
 from nao_course.sim.render import LABELS, PictureTruth, VisibleLandmark, render, visible_landmarks
@@ -15,6 +16,7 @@ __all__ = [
     "NAO_V6",
     "CameraView",
     "Field",
+    "FieldDimensions",
     "Landmark",
     "NaoModel",
     "OdometryNoise",

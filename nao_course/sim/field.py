@@ -1,69 +1,21 @@
-"""Fields of the RoboCup Standard Platform League: dimensions by rule year, and the resulting geometry."""
+"""A football field with its lines, goals and landmarks, by the rules of a year or from a file of dimensions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, assert_never, get_args
+from pathlib import Path
+from typing import Literal, Self, assert_never, get_args
 
 import numpy as np
 
 from nao_course.codec import register
 from nao_course.geometry import FloatArray, Pose, finite
+from nao_course.sim.fields import DIMENSIONS, FieldDimensions, read_field
 from nao_course.slam import LandmarkKind
 
 Shape = Literal["L", "T", "X", "post"]
 MarkKind = Literal["corner", "post", "cross"]
-
-
-@dataclass(frozen=True)
-class FieldDimensions:
-    """Dimensions of a whole field in metres, measured between the centre lines of the field's lines.
-
-    Parameters
-    ----------
-    length, width : float
-        Distance between the goal lines, and between the touch lines.
-    goal_area : (float, float)
-        Depth and width of the goal area.
-    penalty_area : (float, float) or None
-        Depth and width of the penalty area, if the rules have one.
-    penalty_mark : float
-        Distance of the penalty mark's centre from the goal line.
-    circle_diameter : float
-        Diameter of the centre circle.
-    bar_diameter : float
-        Diameter of the goal's crossbar.
-    goal_colour : "yellow" or "white"
-        Colour of both goals.
-    goal_width, post_diameter, post_height : float
-        Distance between the axes of the posts, diameter of a post, and height of the crossbar's axis.
-    line_width, border, mark_size : float
-        Width of the lines, width of the carpet around them, and length of the penalty mark's bars.
-    """
-
-    length: float
-    width: float
-    goal_area: tuple[float, float]
-    penalty_area: tuple[float, float] | None
-    penalty_mark: float
-    circle_diameter: float
-    bar_diameter: float
-    goal_colour: Literal["yellow", "white"]
-    goal_width: float = 1.4
-    post_diameter: float = 0.10
-    post_height: float = 0.80
-    line_width: float = 0.05
-    border: float = 0.70
-    mark_size: float = 0.10
-
-
-# From the RoboCup SPL rule books of these years. The rules of 2020 to 2025 have the same dimensions.
-DIMENSIONS: dict[int, FieldDimensions] = {
-    2012: FieldDimensions(6.0, 4.0, (0.6, 2.2), None, 1.8, 1.2, 0.05, "yellow"),
-    2013: FieldDimensions(9.0, 6.0, (0.6, 2.2), None, 1.8, 1.5, 0.10, "yellow"),
-    2025: FieldDimensions(9.0, 6.0, (0.6, 2.2), (1.65, 4.0), 1.3, 1.5, 0.10, "white"),
-}
 
 
 @register
@@ -118,8 +70,9 @@ class Field:
 
     Parameters
     ----------
-    year : int
-        Year of the rules: 2012 (as in Aliyev et al. 2014), 2013 or 2025.
+    rules : int or FieldDimensions
+        Year of the rules: 2012 (as in Aliyev et al. 2014), 2013 or 2025; or dimensions of one's own. `from_toml` reads
+        them from a file.
     half : bool
         Whether there is only the half with positive x and its goal, as in Aliyev et al. 2014, section 2.2.
     pose : Pose
@@ -129,7 +82,7 @@ class Field:
     Raises
     ------
     ValueError
-        If the year is not in the table.
+        If the year is not one of these.
 
     Examples
     --------
@@ -138,22 +91,49 @@ class Field:
            [ 3. ,  0.7]])
     """
 
-    year: int = 2012
+    rules: int | FieldDimensions = 2012
     half: bool = True
     pose: Pose = field(default_factory=Pose)
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if self.year not in DIMENSIONS:
-            raise ValueError(f"year must be one of {sorted(DIMENSIONS)} (rule books), got {self.year!r}")
+        if not isinstance(self.rules, FieldDimensions) and self.rules not in DIMENSIONS:
+            raise ValueError(
+                f"Field: the year must be one of {sorted(DIMENSIONS)} (rule books), got {self.rules!r}; "
+                "Field.from_toml reads another field from a file"
+            )
         if not isinstance(self.pose, Pose):
             raise ValueError(f"Field: pose must be a Pose, got {self.pose!r}")
         object.__setattr__(self, "half", bool(self.half))
 
+    @classmethod
+    def from_toml(cls, path: str | Path, pose: Pose | None = None) -> Self:
+        """Return the field that a TOML file describes; docs/own_field.md lists the file's keys.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; or the name of a field of the course: "2012", "2013", "2025" or "lab".
+        pose : Pose, optional
+            Pose of the field frame in the world frame; by default, both frames are the same.
+
+        Raises
+        ------
+        ValueError
+            If there is no such file, or if it does not describe a field. The message names the file and the key.
+
+        Examples
+        --------
+        >>> Field.from_toml("lab").x_range
+        (-2.25, 2.25)
+        """
+        dimensions, half = read_field(path)
+        return cls(dimensions, half, pose or Pose())
+
     @property
     def dimensions(self) -> FieldDimensions:
-        """Dimensions of the field by the rules of its year."""
-        return DIMENSIONS[self.year]
+        """Dimensions of the whole field."""
+        return self.rules if isinstance(self.rules, FieldDimensions) else DIMENSIONS[self.rules]
 
     @property
     def _ends(self) -> tuple[int, ...]:
@@ -195,8 +175,10 @@ class Field:
     def marks(self) -> FloatArray:
         """Centres of the marks, (N, 2), m. On the halfway line, only a dash across it remains of the cross."""
         d = self.dimensions
-        penalty = [(sign * (d.length / 2 - d.penalty_mark), 0.0) for sign in self._ends]
-        return np.array([(0.0, 0.0), *penalty])
+        centre = [(0.0, 0.0)] if d.mark_size else []
+        ends = self._ends if d.penalty_mark else ()
+        penalty = [(sign * (d.length / 2 - d.penalty_mark), 0.0) for sign in ends]
+        return np.array([*centre, *penalty]).reshape(-1, 2)
 
     @cached_property
     def mark_lines(self) -> FloatArray:
@@ -206,32 +188,29 @@ class Field:
         for x, y in self.marks:
             left = max(x - h, self.x_range[0])
             rows += [(left, y, x + h, y), (x, y - h, x, y + h)]
-        return np.array(rows)
+        return np.array(rows).reshape(-1, 4)
 
     @property
     def arcs(self) -> FloatArray:
         """Circular lines: (N, 5) as x, y and radius, m, and first and last angle, rad counterclockwise."""
         span = (-np.pi / 2, np.pi / 2) if self.half else (-np.pi, np.pi)
-        return np.array([(0.0, 0.0, self.dimensions.circle_diameter / 2, *span)])
-
-    @cached_property
-    def posts(self) -> FloatArray:
-        """Positions of the goal posts, (N, 2), m."""
-        d = self.dimensions
-        return np.array(
-            [(s * d.length / 2, y) for s in self._ends for y in (-d.goal_width / 2, d.goal_width / 2)]
-        )
+        radius = self.dimensions.circle_diameter / 2
+        return np.array([(0.0, 0.0, radius, *span)] if radius else []).reshape(-1, 5)
 
     @cached_property
     def bars(self) -> FloatArray:
         """Ends of the crossbars' axes, (N, 2, 3) as x, y, z, m."""
         d = self.dimensions
-        return np.array(
-            [
-                [(s * d.length / 2, y, d.post_height) for y in (-d.goal_width / 2, d.goal_width / 2)]
-                for s in self._ends
-            ]
+        ends = () if d.goal_colour == "none" else self._ends
+        sides = (-d.goal_width / 2, d.goal_width / 2)
+        return np.array([[(s * d.length / 2, y, d.post_height) for y in sides] for s in ends]).reshape(
+            -1, 2, 3
         )
+
+    @property
+    def posts(self) -> FloatArray:
+        """Positions of the goal posts, (N, 2), m."""
+        return self.bars[..., :2].reshape(-1, 2)
 
     @cached_property
     def landmarks(self) -> tuple[Landmark, ...]:
@@ -249,7 +228,7 @@ class Field:
                     found.append(Landmark(goal_line - sign * depth, y, "corner", "L"))
         found += [Landmark(float(x), float(y), "post", "post") for x, y in self.posts]
         found += [Landmark(float(x), float(y), "cross", "X") for x, y in self.marks]
-        found += [Landmark(0.0, s * d.circle_diameter / 2, "cross", "X") for s in (-1, 1)]
+        found += [Landmark(0.0, s * radius, "cross", "X") for radius in self.arcs[:, 2] for s in (-1, 1)]
         return tuple(found)
 
     @cached_property

@@ -683,7 +683,7 @@ ANSWERS = (
             "a_function_that_is_not_registered": '{"u":"os:system"}',
             "a_module_that_is_not_loaded": '{"u":"nao_course.instructor.gradescope:main"}',
             "a_pose_of_nothing": '{"o":"nao_course.geometry:Pose","v":{"x":{"f":"nan"}}}',
-            "a_field_of_no_year": '{"o":"nao_course.sim.field:Field","v":{"year":{"l":[]}}}',
+            "a_field_of_no_year": '{"o":"nao_course.sim.field:Field","v":{"rules":{"l":[]}}}',
             "a_complex_number_of_texts": '{"c":["0x1p0","one"]}',
             "a_sparse_matrix_of_the_largest_shape": (
                 '{"q":"coo_array","shape":[1000000000,1000000000],"parts":['

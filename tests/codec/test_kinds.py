@@ -259,7 +259,7 @@ TYPE = f"{__name__}:Row"
             "o": "nao_course.sim.field:Landmark",
             "v": {"x": 1, "y": 1, "kind": {"s": "cat"}, "shape": {"s": "L"}},
         },
-        {"o": "nao_course.sim.field:Field", "v": {"year": {"l": []}}},
+        {"o": "nao_course.sim.field:Field", "v": {"rules": {"l": []}}},
         {"o": "nao_course.sim.field:Field", "v": {"pose": 1}},
         {"o": "nao_course.sim.nao:SensorNoise", "v": {"bearing": -1}},
         {"o": "nao_course.sim.nao:Picture", "v": {"pixels": 1, "view": 1, "camera": 1}},

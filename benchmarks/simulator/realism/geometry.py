@@ -12,23 +12,16 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from nao_course.geometry import FloatArray, Pose
+from nao_course.sim import DIMENSIONS, Field
 from nao_course.sim.camera import CameraView
-from nao_course.sim.field import Field, FieldDimensions
 
 Pixels = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]
 
 
-class AmsterdamField(Field):
-    """The field of the real pictures: that of the 2012 rules, but for lines that are as wide as they measure."""
-
-    @property
-    def dimensions(self) -> FieldDimensions:
-        """The rules' row, with lines 3.95 cm wide ("line width cm": 3.9 to 4.1 in all pictures, at both sizes)."""
-        return replace(super().dimensions, line_width=0.0395)
-
-
-FIELD = AmsterdamField(2012, half=False)
+# The field of the real pictures: that of the 2012 rules, except for the width of the lines, which are 3.95 cm wide as
+# measured ("line width cm": 3.9 to 4.1 in all pictures, at both sizes).
+FIELD = Field(replace(DIMENSIONS[2012], line_width=0.0395), half=False)
 SMALL = 320  # px: lengths in pixels below are meant at this width, and grow with the picture
 
 

@@ -17,7 +17,7 @@ from nao_course.plotting.maps import plot_field, say_field
 from nao_course.plotting.paths import plot_pose
 from nao_course.plotting.pictures import plot_picture
 from nao_course.plotting.style import CARPET, HALO, STYLES, course_style
-from nao_course.sim import NAO_V4, CameraView, Field, Landmark, SimulatedNao
+from nao_course.sim import NAO_V4, CameraView, Field, SimulatedNao
 
 
 def _inside(view: CameraView, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -210,7 +210,7 @@ def draw_frames(field: Field | None = None, title: str | None = None) -> Drawing
     Drawing
         The figure; its text explains the frames and angles.
     """
-    field = Field(2012 if field is None else field.year)
+    field = Field(2012 if field is None else field.rules)
     figure = Figure(figsize=(10.2, 6.4))
     grid = figure.add_gridspec(2, 2, width_ratios=(1.18, 1.0))
     landmark = _frames_on_field(figure.add_subplot(grid[:, 0]), field)
@@ -241,7 +241,8 @@ def _frames_on_field(ax: Axes, field: Field) -> str:
         )
     _name(ax, (-0.05, -0.2), "field frame", _FIELD_FRAME, ha="left", va="top")
     robot = Pose(0.14 * d.length, -0.33 * d.width, np.radians(18))
-    target = Landmark(d.length / 2 - d.goal_area[0], d.goal_area[1] / 2, "corner", "L")
+    corners = [mark for mark in field.detectable if mark.shape == "L" and mark.x > 0 and mark.y > 0]
+    target = min(corners, key=lambda corner: corner.x)
     local = robot.to_local([target.x, target.y])[0]
     bearing, distance = float(np.arctan2(local[1], local[0])), float(np.hypot(*local))
     ahead, left = robot.to_parent([[1.7 * unit, 0], [0, unit]])

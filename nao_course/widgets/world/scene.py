@@ -139,7 +139,7 @@ class WorldScene:
         d = self.field.dimensions
         rods = [(x, y, 0.0, x, y, d.post_height, d.post_diameter / 2) for x, y in self.field.posts]
         rods += [(*ends[0], *ends[1], d.bar_diameter / 2) for ends in self.field.bars]
-        found = np.array(rods)
+        found = np.array(rods).reshape(-1, 7)
         for columns in (slice(0, 2), slice(3, 5)):
             found[:, columns] = self._world(found[:, columns])
         return found
