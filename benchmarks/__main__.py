@@ -29,7 +29,16 @@ BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with
     ),
     "beyond": ("beyond_cameras", "beyond_exploring", "beyond_moves", "beyond_particles"),
     "course": (
-        *("films", "grading", "grading_memory", "grading_profile", "panel", "siege", "slow_students"),
+        *(
+            "films",
+            "grading",
+            "grading_cluster",
+            "grading_memory",
+            "grading_profile",
+            "panel",
+            "siege",
+            "slow_students",
+        ),
         "world",
     ),
     "": ("challenges",),

@@ -49,6 +49,11 @@ def _plainly() -> Iterator[None]:
                 "This command needs JupyterLab, which is not installed. Install it with "
                 "python -m pip install 'nao-course[lab]'."
             )
+        if error.name in ("dask", "distributed"):
+            _refuse(
+                "Grading with several workers needs Dask, which is not installed. Install it with "
+                "python -m pip install 'nao-course[scale]'."
+            )
         _refuse(
             f"This command is for instructors and needs {error.name}, which is not installed. Install it with "
             "python -m pip install 'nao-course[instructor]' or, in the course's repository, with make test."
@@ -310,12 +315,18 @@ def grade(
     ),
     jobs: int = typer.Option(DEFAULT_JOBS, min=1, help="Submissions at a time."),
     require_sandbox: str = typer.Option("", metavar="LEVEL", help="Refuse to run below this level."),
+    scheduler: str = typer.Option("", metavar="ADDRESS", help="Grade with the workers of a Dask scheduler."),
+    workers: int = typer.Option(0, min=0, help="Grade with this many Dask workers on this machine."),
 ) -> None:
     """Grade new and changed submissions (instructors). The status is 0 if each has a score or a reason."""
     with _plainly():
         from nao_course.instructor import commands
+        from nao_course.instructor.autograding.session import Machines
 
-        commands.grade_folder(console, submissions, out, lesson, jobs, require_sandbox)
+        if scheduler and workers:
+            raise ValueError("Give --scheduler or --workers, not both: a scheduler has its own workers.")
+        machines = Machines(jobs, require_sandbox, scheduler, workers)
+        commands.grade_folder(console, submissions, out, lesson, machines)
 
 
 @app.command(hidden=_STUDENTS)

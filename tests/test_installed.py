@@ -180,12 +180,13 @@ def test_a_students_wheel_is_the_package_alone_and_works_in_an_empty_folder(whee
 
 
 def declared() -> list[str]:
-    """What the package, JupyterLab and the instructor's side depend on, as their wheels declare it."""
+    """What the package with all that is not for measuring or pages depends on, as the wheels declare it."""
     package, instructor = (
         tomllib.loads((PROJECT / name).read_text(encoding="utf-8"))["project"]
         for name in ("pyproject.toml", "nao_course/instructor/pyproject.toml")
     )
-    return [*package["dependencies"], *package["optional-dependencies"]["lab"], *instructor["dependencies"]]
+    extras = [each for name in ("lab", "scale") for each in package["optional-dependencies"][name]]
+    return [*package["dependencies"], *extras, *instructor["dependencies"]]
 
 
 def without_zeros(version: str) -> str:
@@ -204,7 +205,7 @@ def oldest_python() -> str:
 def test_the_wheels_work_with_the_oldest_versions_that_they_declare(wheels, tmp_path):
     environment = Environment(tmp_path, oldest_python())
     students, instructors = wheels
-    both = f"{students}[lab,instructor]", instructors
+    both = f"{students}[lab,scale]", instructors
     done = environment.install("--resolution", "lowest-direct", *both, *declared())
     if re.search("Failed to fetch|error sending request|dns error|network", done.stderr):
         reason = f"no package index can be reached: {done.stderr}"

@@ -23,7 +23,7 @@ from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
-from nao_course.instructor.autograding.session import open_session
+from nao_course.instructor.autograding.session import Machines, open_session
 from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import (
     Gathered,
@@ -43,9 +43,7 @@ NOT_GRADED = "not_graded.txt"
 _SHOWN = 20  # reasons of each kind, and names of those who wait
 
 
-def grade_folder(
-    console: Console, path: Path, out: Path, lessons: Sequence[str], jobs: int, require_sandbox: str
-) -> None:
+def grade_folder(console: Console, path: Path, out: Path, lessons: Sequence[str], machines: Machines) -> None:
     """Grade a folder or zip of submissions into a folder of grades.
 
     Raises
@@ -71,7 +69,7 @@ def grade_folder(
             waiting = add_earlier(waiting, course, journal, scratch)
             if found.wrapper:
                 waiting, found = _without_replacements(waiting, found, journal)
-            summary = run(console, journal, out, waiting, jobs, require_sandbox)
+            summary = run(console, journal, out, waiting, machines)
             _show(console, journal, summary, {each.lesson for each in waiting}, found)
             _list_not_graded(console, (*summary.failed, *found.not_graded), out / NOT_GRADED)
     if summary.failed or found.not_graded:
@@ -154,12 +152,7 @@ def add_earlier(
 
 
 def run(
-    console: Console,
-    journal: Journal,
-    out: Path,
-    waiting: Sequence[Submission],
-    jobs: int,
-    require_sandbox: str,
+    console: Console, journal: Journal, out: Path, waiting: Sequence[Submission], machines: Machines
 ) -> Summary:
     """Grade submissions with a progress bar; Ctrl-C ends it, and what is graded is kept."""
     lessons = sorted({each.lesson for each in waiting})
@@ -168,11 +161,11 @@ def run(
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
     with (
-        open_session(load_course(), lessons, load_secret(), require_sandbox, say) as session,
+        open_session(load_course(), lessons, load_secret(), machines, say) as session,
         _progress(console, len(waiting)) as done,
     ):
         try:
-            return session.grade(waiting, journal, out / FEEDBACK, jobs, done)
+            return session.grade(waiting, journal, out / FEEDBACK, done)
         except KeyboardInterrupt:
             console.print("Stopped. What is graded is kept; the same command goes on with the rest.")
             raise typer.Exit(130) from None
@@ -269,7 +262,7 @@ def regrade_student(
                 where = ", ".join(map(str, places))
                 raise ValueError(f"{where}: no {result.lesson} of {student!r} is there any more")
             mine = add_earlier(mine, load_course(), journal, scratch)
-            summary = run(console, journal, grades, mine, 1, "")
+            summary = run(console, journal, grades, mine, Machines())
             _show(console, journal, summary, [result.lesson], Gathered((), ()))
     if summary.failed:
         raise typer.Exit(1)

@@ -188,7 +188,7 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
             course, [lesson], load_secret(), say=Console(markup=False, highlight=False, soft_wrap=True).print
         ) as session,
     ):
-        summary = session.grade(waiting, journal, scratch / "feedback", 1)
+        summary = session.grade(waiting, journal, scratch / "feedback")
         if summary.failed:
             raise RuntimeError("\n".join(summary.failed))
         (result,) = journal.results()

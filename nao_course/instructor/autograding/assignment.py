@@ -240,14 +240,34 @@ def library_digest(lesson: str) -> str:
     str
         Of names and sources; the same in any folder and on any system.
     """
-    digest = hashlib.sha256()
-    for path in sorted(LIBRARY.rglob("*.py")):
-        inside = path.relative_to(LIBRARY)
+
+    def counts(inside: Path) -> bool:
         room = inside.parts[0]
         elsewhere = (
             room == "lessons" and len(inside.parts) > 2 and inside.parts[1] != lesson.partition("_")[2]
         )
-        if room not in _NOT_SCORING and not elsewhere:
+        return room not in _NOT_SCORING and not elsewhere
+
+    return _sources_digest(counts)
+
+
+@cache
+def package_digest() -> str:
+    """Hash the whole package, with the instructor's side: two machines with the same digest grade alike.
+
+    Returns
+    -------
+    str
+        Of names and sources; the same in any folder and on any system.
+    """
+    return _sources_digest(lambda inside: True)
+
+
+def _sources_digest(counts: Callable[[Path], bool]) -> str:
+    digest = hashlib.sha256()
+    for path in sorted(LIBRARY.rglob("*.py")):
+        inside = path.relative_to(LIBRARY)
+        if counts(inside):
             digest.update(f"{inside.as_posix()}\0".encode())
             digest.update(path.read_bytes().replace(b"\r\n", b"\n") + b"\0")
     return digest.hexdigest()

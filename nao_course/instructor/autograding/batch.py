@@ -5,10 +5,11 @@ from __future__ import annotations
 import threading
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from typing import Protocol
 
 from nao_course.homework import installed_versions
 from nao_course.instructor.autograding.assignment import Assignment
@@ -21,8 +22,19 @@ from nao_course.instructor.gradebook.records import Mark, Override, SubmissionRe
 from nao_course.instructor.gradebook.scores import each_score
 from nao_course.instructor.sandbox.warm_server import WarmServer
 
-Grade = Callable[[Submission, Assignment], SubmissionResult]
+Submit = Callable[[Submission, Assignment], Future[SubmissionResult]]
 ResultOrError = SubmissionResult | GraderError
+
+
+class Workers(Protocol):
+    """What grades submissions in place of this process's threads, such as `cluster.Cluster`."""
+
+    @property
+    def most(self) -> int:
+        """How many submissions may wait or run."""
+
+    def submit(self, submission: Submission, assignment: Assignment) -> Future[SubmissionResult]:
+        """Return the future of a submission's result."""
 
 
 @dataclass
@@ -53,13 +65,14 @@ def grade_all(
     assignment_of: Callable[[str], Assignment],
     journal: Journal,
     *,
-    jobs: int,
+    jobs: int = 1,
     server: WarmServer | None = None,
     level: str = "own process",
+    workers: Workers | None = None,
     publish: Callable[[SubmissionResult], object] = lambda result: None,
     tell: Callable[[Submission], None] = lambda submission: None,
 ) -> Summary:
-    """Grade what the journal does not have yet, with some threads over one server.
+    """Grade what the journal does not have yet, with some threads over one server or with other workers.
 
     Parameters
     ----------
@@ -73,6 +86,8 @@ def grade_all(
         How many are graded at a time.
     server, level
         As in `grader.grade`.
+    workers : Workers, optional
+        Grade in place of threads; they have servers of their own.
     publish : callable
         Called with each result before it is kept: a run that is killed between the two does both again.
     tell : callable
@@ -99,8 +114,11 @@ def grade_all(
 
     task = partial(grade, server=server, level=level, stopped=stop.is_set, retries=retries)
     executor = ThreadPoolExecutor(jobs, thread_name_prefix="grade")
+    submit = workers.submit if workers else partial(executor.submit, task)
     try:
-        for submission, outcome in as_they_come(missing(), task, executor, 2 * jobs):
+        for submission, outcome in as_they_come(
+            missing(), submit, lambda: workers.most if workers else 2 * jobs
+        ):
             if isinstance(outcome, GraderError):
                 summary.failed.append(str(outcome))
             else:
@@ -121,20 +139,18 @@ def grade_all(
 
 
 def as_they_come(
-    work: Iterable[tuple[Submission, Assignment]], task: Grade, executor: Executor, most: int
+    work: Iterable[tuple[Submission, Assignment]], submit: Submit, most: Callable[[], int]
 ) -> Iterator[tuple[Submission, ResultOrError]]:
-    """Grade submissions with an executor, a limited number at a time, and yield each result when it is ready.
+    """Submit for grading, a limited number at a time, and yield each result when it is ready.
 
     Parameters
     ----------
     work : iterable of (Submission, Assignment)
         Taken from only as results come.
-    task : callable
-        Grades one.
-    executor : concurrent.futures.Executor
-        Threads, processes or a cluster.
-    most : int
-        How many may wait or run.
+    submit : callable
+        Called with one; returns the future of its result.
+    most : callable
+        Returns how many may wait or run.
 
     Yields
     ------
@@ -147,12 +163,12 @@ def as_they_come(
     rest = iter(work)
     more = True
     while more or waiting:
-        while more and len(waiting) < most:
+        while more and len(waiting) < most():
             item = next(rest, None)
             if item is None:
                 more = False
             else:
-                waiting[executor.submit(task, *item)] = item[0]
+                waiting[submit(*item)] = item[0]
         if waiting:
             done, _ = wait(waiting, return_when=FIRST_COMPLETED)
             for future in done:

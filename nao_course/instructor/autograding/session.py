@@ -14,11 +14,34 @@ from pathlib import Path
 
 from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.autograding.assignment import Assignment, prepare
-from nao_course.instructor.autograding.batch import Summary, feedback_writer, grade_all
+from nao_course.instructor.autograding.batch import Summary, Workers, feedback_writer, grade_all
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.sandbox.layers import SandboxError, probe
+from nao_course.instructor.sandbox.layers import LEVELS, SandboxError, check_level, probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
+
+
+@dataclass(frozen=True)
+class Machines:
+    """Where submissions are graded.
+
+    Parameters
+    ----------
+    jobs : int
+        How many at a time; a scheduler's workers have their own number.
+    require_sandbox : str
+        The lowest sandbox level. If it is empty, this machine may have any, and workers of a cluster need this
+        machine's.
+    scheduler : str
+        Address of a Dask scheduler whose workers grade.
+    workers : int
+        Dask workers to start on this machine; without scheduler and workers, this process grades.
+    """
+
+    jobs: int = 1
+    require_sandbox: str = ""
+    scheduler: str = ""
+    workers: int = 0
 
 
 @dataclass(frozen=True)
@@ -29,19 +52,24 @@ class Session:
     ----------
     assignments : mapping of str to Future of Assignment
         By lesson.
-    server : WarmServer
-        Whose workers run students' code.
+    jobs : int
+        How many submissions are graded at a time, if there are no workers.
+    server : WarmServer, optional
+        Whose processes run students' code, if there are no workers.
+    workers : Workers, optional
+        Of a cluster.
     """
 
     assignments: Mapping[str, Future[Assignment]]
-    server: WarmServer
+    jobs: int = 1
+    server: WarmServer | None = None
+    workers: Workers | None = None
 
     def grade(
         self,
         submissions: Sequence[Submission],
         journal: Journal,
         feedback: Path,
-        jobs: int,
         tell: Callable[[Submission], None] = lambda submission: None,
     ) -> Summary:
         """Grade submissions into a journal and a folder of feedback pages.
@@ -54,8 +82,6 @@ class Session:
             What it has already is not graded again.
         feedback : Path
             Where the pages go.
-        jobs : int
-            How many are graded at a time.
         tell : callable
             Called with each submission that is done.
 
@@ -68,9 +94,10 @@ class Session:
             submissions,
             lambda lesson: self.assignments[lesson].result(),
             journal,
-            jobs=jobs,
+            jobs=self.jobs,
             server=self.server,
-            level=self.server.sandbox.level,
+            level=self.server.sandbox.level if self.server else LEVELS[0],
+            workers=self.workers,
             publish=feedback_writer(journal, feedback),
             tell=tell,
         )
@@ -81,10 +108,10 @@ def open_session(
     course: Course,
     lessons: Sequence[str],
     secret: bytes,
-    require_sandbox: str = "",
+    machines: Machines = Machines(),
     say: Callable[[str], object] = lambda line: None,
 ) -> Iterator[Session]:
-    """Begin to prepare assignments, try the sandbox meanwhile, and start the server of its workers.
+    """Begin to prepare assignments, try the sandbox meanwhile, and start or find what runs students' code.
 
     Parameters
     ----------
@@ -94,29 +121,42 @@ def open_session(
         Whole names.
     secret : bytes
         The instructor's.
-    require_sandbox : str
-        The lowest level to run at; any where empty.
+    machines : Machines
+        Where submissions are graded.
     say : callable
-        Called with the level of the sandbox.
+        Called with the level of the sandbox, and with lines about workers.
 
     Yields
     ------
     Session
-        To grade with; its server ends with the block.
+        To grade with; its server and the workers that it started end with the block.
 
     Raises
     ------
     ValueError
-        If the sandbox is weaker than what is required, or than it was when it was tried.
+        If the sandbox is weaker than what is required, or than it was when it was tried, or a cluster cannot be used.
+    ModuleNotFoundError
+        If Dask is needed and not installed.
     """
+    elsewhere = machines.scheduler or machines.workers
+    if elsewhere:
+        from nao_course.instructor.autograding.cluster import open_cluster
     assignments = prepare_in_background(course, lessons, secret)
     sandbox = probe()
     say(str(sandbox))
     try:
-        if require_sandbox:
-            sandbox.require(require_sandbox)
+        if elsewhere:
+            level = machines.require_sandbox or sandbox.level
+            check_level(level)
+            with open_cluster(
+                level, scheduler=machines.scheduler, workers=machines.workers, jobs=machines.jobs, say=say
+            ) as cluster:
+                yield Session(assignments, workers=cluster)
+            return
+        if machines.require_sandbox:
+            sandbox.require(machines.require_sandbox)
         with WarmServer(sandbox) as server:
-            yield Session(assignments, server)
+            yield Session(assignments, machines.jobs, server)
     except SandboxError as error:
         raise ValueError(str(error)) from None
 

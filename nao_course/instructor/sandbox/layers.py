@@ -40,6 +40,12 @@ class SandboxError(RuntimeError):
     """A sandbox that is weaker than what was asked for, or than it was when it was tried."""
 
 
+def check_level(level: str) -> None:
+    """Raise ValueError if there is no such level."""
+    if level not in LEVELS:
+        raise ValueError(f"a sandbox's level is one of {', '.join(LEVELS)}; got {level!r}")
+
+
 @dataclass(frozen=True)
 class Layer:
     """One thing that holds a student's code back.
@@ -91,8 +97,7 @@ class Sandbox:
         SandboxError
             If a layer of it is missing; the message says which and why.
         """
-        if level not in LEVELS:
-            raise ValueError(f"a sandbox's level is one of {', '.join(LEVELS)}; got {level!r}")
+        check_level(level)
         missing = [layer for layer in self.layers if not layer.on and layer.name in _NEEDS[level]]
         if missing:
             reasons = "; ".join(f"no {layer.name}: {layer.detail}" for layer in missing)

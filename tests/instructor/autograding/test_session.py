@@ -10,7 +10,7 @@ import pytest
 
 from nao_course.instructor.autograding import session as module
 from nao_course.instructor.autograding.assignment import prepare
-from nao_course.instructor.autograding.session import open_session, prepare_in_background
+from nao_course.instructor.autograding.session import Machines, open_session, prepare_in_background
 from nao_course.instructor.sandbox.layers import Layer, Sandbox
 from tests.toy import chain
 
@@ -42,7 +42,7 @@ def test_a_weak_sandbox_is_told_and_refused_where_more_is_required(tmp_path, mon
     course = chain.make_course(tmp_path)
     with (
         pytest.raises(ValueError, match=r"'landlock' is required.*not today"),
-        open_session(course, [], chain.SECRET, "landlock", said.append),
+        open_session(course, [], chain.SECRET, Machines(require_sandbox="landlock"), said.append),
     ):
         pass
     assert said == [str(weak)]

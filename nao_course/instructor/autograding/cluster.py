@@ -1,0 +1,287 @@
+"""The grader's end of a Dask cluster: workers are admitted, submissions go to them, and each comes back once.
+
+Dask schedules, encrypts and notices workers that die; what a lost worker had is given to another one. The journal, the
+feedback and the secret stay with the grader. Options of TLS are Dask's configuration, for the grader as for scheduler
+and workers.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Future
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import urlsplit
+
+import dask
+from distributed import Client, KilledWorker, LocalCluster, Security
+
+from nao_course._internal.counts import say_count
+from nao_course.instructor.autograding.assignment import Assignment
+from nao_course.instructor.autograding.cluster_worker import (
+    AssignmentParcel,
+    Requirement,
+    SubmissionParcel,
+    admit,
+    grade_parcel,
+    unpacked,
+)
+from nao_course.instructor.autograding.grader import GraderError
+from nao_course.instructor.collecting.submissions import Submission
+from nao_course.instructor.gradebook.records import SubmissionResult
+
+SECONDS_TO_CONNECT = 15.0
+SECONDS_FOR_A_WORKER = 60.0  # until the first one joins
+_SECONDS_BETWEEN_UPDATES = 1.0  # of the list of workers
+_CONFIGURATION = {"distributed.admin.large-graph-warning-threshold": "1GB"}  # a notebook may have 50 MB
+
+
+class ClusterError(ValueError):
+    """A cluster that cannot be used, or was lost; the message says what to do."""
+
+
+@dataclass
+class Cluster:
+    """A cluster whose admitted workers grade submissions.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Connected to the scheduler.
+    requirement : Requirement
+        What a worker must fulfil.
+    say : callable
+        Called with a line about each worker that is refused, and when none is left.
+    """
+
+    client: Client
+    requirement: Requirement
+    say: Callable[[str], object] = lambda line: None
+    refused: dict[str, str] = field(default_factory=dict, init=False)
+    _admitted: dict[str, int] = field(default_factory=dict, init=False, repr=False)
+    _assignments: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
+    _ended: threading.Event = field(default_factory=threading.Event, init=False, repr=False)
+
+    @property
+    def most(self) -> int:
+        """How many submissions may wait or run, so that no worker waits for the grader."""
+        return 2 * max(1, sum(self._admitted.values()))
+
+    def submit(self, submission: Submission, assignment: Assignment) -> Future[SubmissionResult]:
+        """Send a submission to any admitted worker.
+
+        Parameters
+        ----------
+        submission : Submission
+            Its files are read now.
+        assignment : Assignment
+            Of its lesson; sent once to each worker.
+
+        Returns
+        -------
+        Future of SubmissionResult
+            With a GraderError if each worker that had it died, and a ClusterError if the scheduler was lost.
+        """
+        executor = self.client.get_executor(pure=False, resources={self.requirement.resource: 1})
+        if assignment.hash not in self._assignments:
+            parcel = AssignmentParcel.of(assignment)
+            self._assignments[assignment.hash] = self.client.submit(
+                unpacked, parcel, pure=False, resources={self.requirement.resource: 1}
+            )
+        answer: Future[SubmissionResult] = Future()
+        sent = executor.submit(
+            grade_parcel, SubmissionParcel.of(submission), self._assignments[assignment.hash]
+        )
+        sent.add_done_callback(lambda done: _pass_on(done, answer, submission))
+        return answer
+
+    def wait_for_workers(self, seconds: float = SECONDS_FOR_A_WORKER) -> None:
+        """Wait until a worker is admitted.
+
+        Raises
+        ------
+        ClusterError
+            If none joins in time, or all that are there are refused.
+        """
+        until, address = time.monotonic() + seconds, self.client.scheduler_info(n_workers=0)["address"]
+        while not self._admitted:
+            self.update_workers()
+            if self.refused and not self._admitted:
+                raise ClusterError("no worker may grade: every worker was refused, as said above")
+            if time.monotonic() > until:
+                raise ClusterError(
+                    f"the scheduler {address} has no workers: start one with `dask worker {address}`"
+                )
+            time.sleep(0.1)
+        threads = sum(self._admitted.values())
+        self.say(
+            f"{say_count(len(self._admitted), 'worker')}, {say_count(threads, 'submission')} at a time, at {address}."
+        )
+
+    def update_workers(self) -> None:
+        """Find out who joined and who left, and admit or refuse the new workers."""
+        there = {
+            address: worker["nthreads"]
+            for address, worker in self.client.scheduler_info(n_workers=-1)["workers"].items()
+        }
+        had_some = bool(self._admitted)
+        for known in (self._admitted, self.refused):
+            for address in set(known) - set(there):
+                del known[address]
+        new = sorted(set(there) - set(self._admitted) - set(self.refused))
+        answers = self.client.run(admit, self.requirement, workers=new, on_error="return") if new else {}
+        for address, answer in answers.items():
+            if answer == "":
+                self._admitted[address] = there[address]
+            elif not isinstance(answer, OSError):  # it has left again
+                reason = (
+                    answer
+                    if isinstance(answer, str)
+                    else f"the grader's course cannot be loaded there ({type(answer).__name__}: {answer})"
+                )
+                self.refused[address] = reason
+                self.say(f"REFUSED the worker {address}: {reason}.")
+        if had_some and not self._admitted:
+            self.say(
+                "No worker is left. Grading goes on when one joins; Ctrl-C ends it and keeps what is graded."
+            )
+
+    @contextmanager
+    def watching(self) -> Iterator[None]:
+        """Keep the list of workers up to date while the block runs."""
+
+        def watch() -> None:
+            while not self._ended.wait(_SECONDS_BETWEEN_UPDATES):
+                try:
+                    self.update_workers()
+                except Exception:  # noqa: BLE001 - a lost scheduler is reported by what was sent to it
+                    continue
+
+        thread = threading.Thread(target=watch, name="update workers", daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            self._ended.set()
+
+
+def _pass_on(
+    done: Future[SubmissionResult], answer: Future[SubmissionResult], submission: Submission
+) -> None:
+    """Give an answer what came back, with errors of Dask in the grader's words."""
+    whose = f"{submission.student}, {submission.lesson}"
+    try:
+        answer.set_result(done.result())
+    except CancelledError:
+        answer.set_exception(
+            ClusterError(
+                "the connection to the scheduler was lost. What is graded is kept: start the scheduler and its "
+                "workers again, and the same command goes on with the rest"
+            )
+        )
+    except KilledWorker:
+        answer.set_exception(
+            GraderError(f"{whose}: every worker that it was sent to died; the same command tries again")
+        )
+    except BaseException as error:  # noqa: BLE001 - whatever it is, who waits for the result gets it
+        answer.set_exception(error)
+
+
+@contextmanager
+def open_cluster(
+    level: str,
+    *,
+    scheduler: str = "",
+    workers: int = 0,
+    jobs: int = 1,
+    say: Callable[[str], object] = lambda line: None,
+) -> Iterator[Cluster]:
+    """Connect to a scheduler, or start a cluster of processes on this machine that ends with the block.
+
+    Parameters
+    ----------
+    level : str
+        The lowest sandbox level that a worker must have.
+    scheduler : str
+        Address of a scheduler, such as "tls://10.0.0.1:8786".
+    workers : int
+        Processes to start where there is no scheduler.
+    jobs : int
+        How many submissions these processes grade at a time, all together.
+    say : callable
+        Called with lines for the person at the terminal.
+
+    Yields
+    ------
+    Cluster
+        With at least one admitted worker.
+
+    Raises
+    ------
+    ClusterError
+        If the scheduler cannot be reached or no worker may grade.
+    """
+    logging.getLogger("distributed").setLevel(logging.ERROR)
+    with ExitStack() as stack:
+        stack.enter_context(dask.config.set(_CONFIGURATION))
+        if scheduler:
+            client = stack.enter_context(_connect(scheduler, say))
+        else:
+            local = stack.enter_context(_local_cluster(workers, -(-jobs // workers)))
+            client = stack.enter_context(Client(local, set_as_default=False))
+        cluster = Cluster(client, Requirement.of_this_machine(level), say)
+        cluster.wait_for_workers()
+        stack.enter_context(cluster.watching())
+        yield cluster
+
+
+def _local_cluster(workers: int, threads: int) -> LocalCluster:
+    """Start workers on this machine, encrypted and without web pages, because its other users can reach the ports."""
+    with dask.config.set({f"distributed.{part}.http.routes": [] for part in ("scheduler", "worker")}):
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=threads,
+            security=True,
+            dashboard_address="127.0.0.1:0",  # by default it is a fixed port of all networks
+            scheduler_kwargs={"dashboard": False},
+        )
+
+
+def _connect(address: str, say: Callable[[str], object]) -> Client:
+    """Connect to a scheduler; say so if others could listen."""
+    encrypted = urlsplit(address).scheme == "tls"
+    try:
+        certificate = Security().get_connection_args("client")["ssl_context"]
+    except OSError as error:
+        raise ClusterError(f"cannot use the certificate that Dask's settings name ({error})") from None
+    if encrypted and not certificate:
+        raise ClusterError(
+            f"{address} is encrypted, and Dask's settings on this machine name no certificate. Copy the settings of "
+            "the scheduler's machine into ~/.config/dask (docs/grade_a_class.md, Several machines)"
+        )
+    try:
+        client = Client(address, timeout=SECONDS_TO_CONNECT, set_as_default=False)
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
+        raise ClusterError(
+            f"cannot reach a scheduler at {address} ({error}). Start one with `dask scheduler`, and give the address "
+            "that it prints, such as tls://10.0.0.1:8786"
+        ) from None
+    if not encrypted and not _is_local(address):
+        say(
+            f"THE CONNECTION TO {address} IS NOT ENCRYPTED. Who reaches the scheduler can read hidden cases and run "
+            "programs on all workers: use TLS."
+        )
+    return client
+
+
+def _is_local(address: str) -> bool:
+    host = urlsplit(address).hostname or ""
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False

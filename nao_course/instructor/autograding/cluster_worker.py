@@ -1,0 +1,246 @@
+"""What runs in a Dask worker's process: it is admitted or refused, and grades whole submissions in its own sandbox.
+
+This process is trusted as the grader is, because it compares answers with what is expected. Students' code runs in the
+sandboxed processes below it, as it does when one machine grades alone.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import atexit
+import hashlib
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES
+from nao_course.instructor.autograding.assignment import Assignment, package_digest
+from nao_course.instructor.autograding.batch import installed
+from nao_course.instructor.autograding.grader import grade
+from nao_course.instructor.autograding.scratch import scratch_folder
+from nao_course.instructor.collecting.archives import Refused, read_plain
+from nao_course.instructor.collecting.submissions import Submission
+from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.sandbox.layers import SandboxError, probe
+from nao_course.instructor.sandbox.warm_server import WarmServer
+
+if TYPE_CHECKING:
+    from distributed import Worker
+
+_UNLIMITED = (
+    1e9  # of a worker's resource: its number of threads limits how many submissions it grades at a time
+)
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What a worker must have so that its results are the same as on the grader's machine.
+
+    Parameters
+    ----------
+    code : str
+        `package_digest` of the course.
+    versions : str
+        Of Python and of the libraries that scores can depend on.
+    level : str
+        The lowest sandbox level.
+    """
+
+    code: str
+    versions: str
+    level: str
+
+    @classmethod
+    def of_this_machine(cls, level: str) -> Requirement:
+        """Return the requirement that this machine's course and libraries fulfil."""
+        return cls(package_digest(), installed(), level)
+
+    @property
+    def resource(self) -> str:
+        """Name of the Dask resource that only workers have which fulfil the requirement."""
+        told = "\0".join((self.code, self.versions, self.level))
+        return f"nao-course-{hashlib.sha256(told.encode()).hexdigest()[:16]}"
+
+    def unfulfilled(self) -> str:
+        """Return the reason why this machine does not fulfil the requirement; an empty string if it does."""
+        here = Requirement.of_this_machine(self.level)
+        if here.versions != self.versions:
+            return f"it has {here.versions}, and the grader has {self.versions}"
+        if here.code != self.code:
+            return "its course differs from the grader's: install the same version and start the worker again"
+        try:
+            probe().require(self.level)
+        except SandboxError as error:
+            return f"{error}. Allow it with --require-sandbox {probe().level}"
+        return ""
+
+
+async def admit(requirement: Requirement, dask_worker: Worker) -> str:
+    """Let a Dask worker take submissions if it fulfils a requirement.
+
+    Parameters
+    ----------
+    requirement : Requirement
+        The grader's.
+    dask_worker : distributed.Worker
+        The worker in whose process this runs.
+
+    Returns
+    -------
+    str
+        The reason why it is refused; empty if it is admitted.
+    """
+    reason = await asyncio.to_thread(requirement.unfulfilled)
+    if not reason and requirement.resource not in dask_worker.state.total_resources:
+        await dask_worker.set_resources(**{requirement.resource: _UNLIMITED})
+    return reason
+
+
+# --- what is sent ---
+
+
+@dataclass(frozen=True)
+class SubmissionParcel:
+    """A submission with the content of its files.
+
+    Parameters
+    ----------
+    submission : Submission
+        Its paths are the grader's and mean nothing elsewhere. A file that cannot be read is its reason to be refused.
+    notebook : bytes
+        As it was handed in.
+    helpers : tuple of bytes
+        In the submission's order.
+    earlier : tuple of SubmissionParcel
+        The student's earlier work, in the submission's order.
+    """
+
+    submission: Submission
+    notebook: bytes = b""
+    helpers: tuple[bytes, ...] = ()
+    earlier: tuple[SubmissionParcel, ...] = ()
+
+    @classmethod
+    def of(cls, submission: Submission) -> SubmissionParcel:
+        """Read a submission's files, each of a bounded size and none through a link."""
+        if submission.reason:
+            return cls(submission)
+        try:
+            notebook = read_plain(submission.path, MOST_BYTES)
+            helpers = tuple(read_plain(path, LARGEST_HELPER) for _, path in submission.helpers)
+        except Refused as refused:
+            return cls(replace(submission, reason=str(refused)))
+        return cls(submission, notebook, helpers, tuple(map(cls.of, submission.earlier)))
+
+    @contextmanager
+    def laid_out(self) -> Iterator[Submission]:
+        """Write the files into a folder that is deleted in any case."""
+        with tempfile.TemporaryDirectory(prefix="nao_course_", ignore_cleanup_errors=True) as folder:
+            yield self._written_to(Path(folder))
+
+    def _written_to(self, folder: Path) -> Submission:
+        """Write the files under names of our own, because students chose theirs."""
+        (notebook := folder / "notebook").write_bytes(self.notebook)
+        helpers, earlier = [], []
+        for number, ((name, _), content) in enumerate(
+            zip(self.submission.helpers, self.helpers, strict=False)
+        ):
+            (path := folder / f"helper{number}").write_bytes(content)
+            helpers.append((name, path))
+        for number, each in enumerate(self.earlier):
+            (inside := folder / f"earlier{number}").mkdir()
+            earlier.append(each._written_to(inside))
+        return replace(self.submission, path=notebook, helpers=tuple(helpers), earlier=tuple(earlier))
+
+
+@dataclass(frozen=True)
+class AssignmentParcel:
+    """An assignment with the content of its solution notebooks: a worker needs neither the solutions nor the secret.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        Its paths are the grader's and mean nothing elsewhere.
+    reference : bytes
+        The solution notebook.
+    earlier : tuple of bytes
+        The solution notebooks of the earlier lessons, in the assignment's order.
+    """
+
+    assignment: Assignment
+    reference: bytes
+    earlier: tuple[bytes, ...]
+
+    @classmethod
+    def of(cls, assignment: Assignment) -> AssignmentParcel:
+        """Read an assignment's solution notebooks."""
+        earlier = tuple(each.reference.read_bytes() for each in assignment.earlier)
+        return cls(assignment, assignment.reference.read_bytes(), earlier)
+
+    def written_to(self, folder: Path) -> Assignment:
+        """Write the notebooks into a folder, unless they are there."""
+        folder.mkdir(exist_ok=True)
+        kept = self.assignment
+        paths = [folder / f"{lesson}.ipynb" for lesson in (kept.lesson, *(it.lesson for it in kept.earlier))]
+        for path, content in zip(paths, (self.reference, *self.earlier), strict=True):
+            if not path.exists():
+                path.write_bytes(content)
+        earlier = [replace(each, reference=path) for each, path in zip(kept.earlier, paths[1:], strict=True)]
+        return replace(kept, reference=paths[0], earlier=tuple(earlier))
+
+
+def unpacked(parcel: AssignmentParcel) -> AssignmentParcel:
+    """Return an assignment as it is: as a task of its own, Dask carries it once to each worker that needs it."""
+    return parcel
+
+
+# --- grading ---
+
+
+class _Bench:
+    """The folder for temporary files and the warm server of this process, for all runs that it takes part in."""
+
+    def __init__(self) -> None:
+        self._lock, self._stack = threading.Lock(), ExitStack()
+        atexit.register(self._stack.close)
+
+    @cached_property
+    def _folder(self) -> Path:
+        return self._stack.enter_context(scratch_folder())
+
+    @cached_property
+    def _server(self) -> WarmServer:
+        return self._stack.enter_context(WarmServer(probe()))
+
+    def prepare(self, parcel: AssignmentParcel) -> tuple[Assignment, WarmServer]:
+        with self._lock:
+            return parcel.written_to(self._folder / parcel.assignment.hash), self._server
+
+
+_BENCH = _Bench()
+
+
+def grade_parcel(parcel: SubmissionParcel, assignment: AssignmentParcel) -> SubmissionResult:
+    """Grade a submission in this process's sandbox.
+
+    Parameters
+    ----------
+    parcel : SubmissionParcel
+        What was handed in.
+    assignment : AssignmentParcel
+        Of its lesson.
+
+    Returns
+    -------
+    SubmissionResult
+        As `grader.grade` returns it where the grader is alone.
+    """
+    prepared, server = _BENCH.prepare(assignment)
+    with parcel.laid_out() as submission:
+        result = grade(submission, prepared, server, server.sandbox.level)
+    return replace(result, file=parcel.submission.file or parcel.submission.path.name)
