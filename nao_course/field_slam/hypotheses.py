@@ -136,10 +136,9 @@ def _alternatives(
     Each is the log density that is expected of it, the observation without the parts that are ignored, the quarter
     turns of the compass, and the log density of the ignored parts.
     """
-    for parts in IGNORABLE:
-        ignored = likelihood.ignored(parts)
-        if ignored:
-            yield likelihood.log_density(parts), without(seen, parts), 0, ignored
+    # A picture without lines is the same with or without ignoring them.
+    for parts in dict.fromkeys(filter(None, map(likelihood.present, IGNORABLE))):
+        yield likelihood.log_density(parts), without(seen, parts), 0, likelihood.ignored(parts)
     quarter, difference = likelihood.other_heading
     if quarter:
         yield likelihood.log_density() + difference, seen, quarter, 0.0

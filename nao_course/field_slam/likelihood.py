@@ -53,8 +53,12 @@ class PictureLikelihood:
         others = sum(densities[part in ignored] for part, densities in self.others.items())
         return gaussian_log_density(self.innovation[kept], self.S[np.ix_(kept, kept)]) + others
 
+    def present(self, parts: Collection[Part]) -> tuple[Part, ...]:
+        """Return those of some parts that have measurements."""
+        return tuple(part for part in parts if self.others[part][1])
+
     def ignored(self, parts: Collection[Part]) -> float:
-        """Return the log density of all measurements of some parts, if they are ignored; 0 if there are none."""
+        """Return the log density of all measurements of some parts, if they are ignored."""
         return sum(self.others[part][1] for part in parts)
 
 

@@ -176,6 +176,28 @@ def test_a_turn_that_is_wrong_by_more_than_the_compass_can_tell_is_recognised_by
     assert many.best.odometry.factor > 1.5
 
 
+def test_the_odds_of_ignoring_landmarks_are_those_of_the_likelihoods(joint):
+    """They would be twice as large if ignoring landmarks and absent lines counted as another hypothesis."""
+    many = MultipleHypotheses(joint, most=20)
+    many.observe(seen_from(START))
+    many.best.inner.covariance[:3, :3] += np.diag([0.02, 0.15, 0.01]) ** 2
+    second = seen_from(START, [TWIN], compass=0.005)
+    used, ignoring = deepcopy(many.best), deepcopy(many.best)
+    used.observe(second)
+    ignoring.observe(without(second, ["landmarks"]))
+    expected = used.likelihood.log_density() - used.likelihood.log_density(["landmarks"])
+    many.observe(second)
+    found = [
+        next(
+            each.log_probability
+            for each in many.hypotheses
+            if np.allclose(each.slam.inner.state, of.inner.state)
+        )
+        for of in (used, ignoring)
+    ]
+    assert found[0] - found[1] == pytest.approx(expected, abs=0.01)
+
+
 def test_probabilities_add_up_and_no_more_than_the_most_are_kept(joint):
     many = MultipleHypotheses(joint)
     pose = lost_by_a_twin(many)
