@@ -98,6 +98,18 @@ def test_without_noise_nothing_is_noticed_and_the_filter_is_the_same_as_without_
     assert off(slam, pose) < 1e-3
 
 
+def test_the_pictures_of_a_stop_are_used_in_the_order_of_their_compasses(joint):
+    slam, alone, pose = KidnapRecovery(joint(START)), SurestFirst(joint(START)), START
+    for _ in range(4):
+        pose = pose @ LOOP.as_pose()
+        exact = pictures(pose)
+        for each in (slam, alone):
+            each.move(LOOP)
+            for sigma, error in ((0.05, 0.03), (0.005, 0.0), (0.02, -0.02)):
+                each.observe(replace(exact, direction=exact.direction + error, direction_sigma=sigma))
+    assert slam.estimate() == alone.estimate()
+
+
 def test_what_is_estimated_does_not_depend_on_when_it_is_asked(joint):
     slams = [KidnapRecovery(joint(START)) for _ in range(2)]
     for stop in range(STOPS):
@@ -143,6 +155,16 @@ def test_a_kidnapping_is_noticed_within_two_stops_and_the_robot_is_back_within_f
     assert slam.kidnappings == 1 and off(slam, pose) < 0.05
     turn = wrap_angle(slam.estimate().pose.theta - pose.theta)
     assert abs(turn) < np.radians(1)
+
+
+def test_the_probabilities_of_the_filter_and_of_all_other_poses_add_up_to_one(mapped):
+    slam, _ = mapped()
+    pose = CARRIED_TO
+    for _ in range(8):
+        pose = drive(slam, pose, 1)
+        belief = slam._after_pictures()
+        assert belief.tracked + belief.grid.total == pytest.approx(1.0)
+    assert slam.kidnappings == 1
 
 
 def test_the_map_does_not_change_while_the_robot_is_lost(mapped):
@@ -207,6 +229,22 @@ def test_what_is_mapped_from_a_wrong_pose_does_not_support_that_pose(mapped, mon
     assert set(compared) == {known}
 
 
+def test_what_was_mapped_between_the_kidnapping_and_the_alarm_is_not_on_the_map_afterwards(
+    mapped, monkeypatch
+):
+    slam, _ = mapped()
+    known = len(slam.estimate().landmarks)
+    monkeypatch.setattr(recovery, "LOST", 2.0)
+    pose = drive(slam, CARRIED_TO, 3)
+    assert len(slam.estimate().landmarks) > known
+    monkeypatch.undo()
+    pose = drive(slam, pose, 1)
+    assert slam.kidnappings == 1
+    drive(slam, pose, 4)
+    assert not slam.lost
+    assert len(slam.estimate().landmarks) == known
+
+
 def test_a_stop_without_compass_or_landmarks_changes_no_decision(mapped):
     slam, _ = mapped(SYMMETRIC, Pose(0.0, -0.6, 0.0), AROUND)
     drive(slam, CARRIED_TO, 2, SYMMETRIC)
@@ -217,6 +255,32 @@ def test_a_stop_without_compass_or_landmarks_changes_no_decision(mapped):
 
 
 # --- the likelihood of a stop ---
+
+
+def test_the_likelihood_of_a_filter_is_the_average_over_its_gaussian(joint, monkeypatch):
+    slam, rng = KidnapRecovery(joint(START)), np.random.default_rng(5)
+    pose = drive(slam, START, STOPS)
+    known = KnownMap.of(slam._after_pictures().slam)
+    # The filter expects the robot to the left and turned to the left; a compass that contradicts moves both back.
+    inner = slam._belief.slam.inner
+    root = np.array([[0.03, 0.0, 0.0], [0.01, 0.03, 0.06], [0.0, 0.0, 0.02]])
+    inner.state[:3] = pose.as_array() + 1.5 * root[:, 2]
+    inner.covariance[:3, :3] = root @ root.T
+    stop = StopView.of([pictures(pose)])
+    monkeypatch.setattr(recovery, "SLIPS", 0.0)
+    found = slam._log_likelihood(stop, known)
+    density = []
+    for x, y, theta in inner.state[:3] + rng.normal(size=(3000, 3)) @ root.T:
+        of_compass = compass_likelihood(float(wrap_quarter(stop.heading - theta)), stop.heading_sigma**2)
+        each = log_likelihood(stop, known, theta, np.array([[x, y]]), recovery.SMOOTHING, recovery.HALF_VIEW)
+        density.append(of_compass * np.exp(each[0]))
+    assert found == pytest.approx(np.log(np.mean(density)), abs=0.2)
+    # A slip of some standard deviations is less unlikely with heavier tails.
+    inner.state[1] += 0.2
+    monkeypatch.undo()
+    with_slips = slam._log_likelihood(stop, known)
+    monkeypatch.setattr(recovery, "SLIPS", 0.0)
+    assert with_slips > slam._log_likelihood(stop, known) + 2.0
 
 
 @pytest.fixture
@@ -268,6 +332,15 @@ def test_a_line_and_the_circle_tell_the_position_across_them():
     assert there == pytest.approx(aside) and there > nearer + 2
     found = log_likelihood(StopView.of([seen]), known, pose.theta, positions, 0.05, 1.2)
     assert found[0] > found[1] + 2
+
+
+def test_a_line_that_two_pictures_show_counts_once_and_a_parallel_line_counts_too():
+    def scene(*places: float, tilt: float) -> Scene:
+        lines = np.array([(x, 0.3, np.pi / 2) for x in places])
+        return Scene((), np.zeros((0, 0)), 0.0, 0.01, tilt * np.eye(2), lines=lines)
+
+    stop = StopView.of([scene(1.02, tilt=1e-3), scene(1.0, 1.5, tilt=1e-5)])
+    assert sorted(stop.lines[:, 0]) == [1.0, 1.5]
 
 
 def test_two_pictures_of_one_thing_count_once_and_a_far_compass_not_at_all():
