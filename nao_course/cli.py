@@ -276,20 +276,30 @@ def _progress() -> Progress:
 
 
 @app.command(hidden=_STUDENTS)
-def release(out: Path = typer.Option(..., help="Folder for the archive."), prove: bool = _PROVE) -> None:
+def release(
+    out: Path = typer.Option(..., help="Folder for the archive."),
+    students: Path | None = typer.Option(
+        None, help="File with a student's name in each line; each of them gets an archive with personal data."
+    ),
+    prove: bool = _PROVE,
+) -> None:
     """Make the students' zip archive; fail if it contains code of a solution (instructors)."""
     with _plainly(), _progress() as progress:
         from nao_course.instructor.authoring.course import load_course
-        from nao_course.instructor.authoring.release import make_release
+        from nao_course.instructor.authoring.release import make_release, read_students
 
+        names = read_students(students) if students else []
         doing = progress.add_task("release", total=None, step="")
         path = make_release(
             load_course(),
             out,
             lambda lesson, step: progress.update(doing, description=lesson, step=step),
             prove=prove,
+            students=names,
         )
     _say(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
+    if names:
+        _say(f"{path.parent / 'students'}: {len(names)} archives, each with the name of its student")
 
 
 @app.command(hidden=_STUDENTS)

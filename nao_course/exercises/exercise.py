@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from nao_course._internal.personal_world import PersonalWorld
 from nao_course.codec import register
 from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.comparison import Comparison
@@ -121,12 +122,17 @@ class Written:
         The question, as on the marking sheet.
     rubric : str
         Criteria for marking the answer.
+    numbers : callable, optional
+        ``numbers(world, solution)`` returns the numbers that a student's answer must contain, by what they are. The
+        arguments are the student's `PersonalWorld` and the solution's functions. The marking page says which of the
+        numbers are in the answer.
     """
 
     name: str
     points: float
     question: str
     rubric: str
+    numbers: Callable[[PersonalWorld, Mapping[str, Callable[..., Any]]], Mapping[str, float]] | None = None
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn, track
 from rich.table import Table
 
 from nao_course._internal.counts import say_count
@@ -21,6 +21,7 @@ from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
+from nao_course.instructor.autograding.personal_numbers import PersonalNumbers
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.autograding.session import Machines, open_session
@@ -462,7 +463,19 @@ def marks(grades: Path, file: Path | None, *, anonymous: bool = False) -> Iterat
 def _sheets(journal: Journal, grades: Path, anonymous: bool) -> Iterator[str]:
     folder = grades / marking_sheets.FOLDER
     code = partial(student_code, load_secret())
-    written = marking_sheets.write_sheets(journal, folder, code, anonymous=anonymous)
+    numbers = PersonalNumbers(load_course(), folder / "personal_numbers.json")
+    wanted = [
+        (result.lesson, answer.name, result.student)
+        for result in journal.results()
+        for answer in result.written
+        if answer.text.strip() and numbers.needs(result.lesson, answer.name)
+    ]
+    try:
+        for lesson, question, student in track(wanted, "personal numbers", disable=not wanted):
+            numbers(lesson, question, student)
+    finally:
+        numbers.keep()
+    written = marking_sheets.write_sheets(journal, folder, code, anonymous=anonymous, numbers=numbers)
     for each in written:
         yield f"wrote {each.table} and .html: {say_count(each.answers, 'answer')}, {each.open} to mark"
     if written:

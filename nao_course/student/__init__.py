@@ -1,11 +1,12 @@
 """The student's side of the course: their own functions, their robot, and their progress."""
 
+from nao_course._internal.personal_world import personal_world
 from nao_course.student.notebooks import earlier, functions
 from nao_course.student.overview import progress
 from nao_course.student.robot import my_nao
 from nao_course.student.strip import so_far
 
-__all__ = ["earlier", "functions", "my_nao", "progress", "so_far"]
+__all__ = ["earlier", "functions", "my_nao", "personal_world", "progress", "so_far"]
 
 
 def __dir__() -> list[str]:

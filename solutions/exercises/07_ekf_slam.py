@@ -28,6 +28,7 @@ from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.ekf_slam.filters.repeated_updates import stays_symmetric
 from nao_course.lessons.ekf_slam.noise import in_one_turn, joint_noise
+from nao_course.lessons.ekf_slam.personal import personal_numbers
 
 Array = npt.NDArray[Any]
 TURN = 2 * np.pi
@@ -1226,8 +1227,9 @@ PLAN = LessonPlan(
         Written(
             "explain_inside",
             points=2,
-            question="Every true landmark lies inside its ellipse. Why does it not follow that the covariances are correct?",
-            rubric="1 point: an ellipse that is too large contains every true landmark, so this observation cannot exclude a covariance that is too large. 1 point: what a correct covariance would show: errors of the stated size, a mean Mahalanobis distance of about 1.25 (or a mean NEES of 2), about one landmark in twenty outside its 95 % ellipse; here the distance is about 0.07.",
+            question="Every true landmark lies inside its ellipse. Why does it not follow that the covariances are correct? Give the two mean distances of your personal robot as an example.",
+            rubric="1 point: an ellipse that is too large contains every true landmark, so this observation cannot exclude a covariance that is too large. 1 point: what a correct covariance would show: errors of the stated size, a mean Mahalanobis distance of about 1.25 (or a mean NEES of 2), about one landmark in twenty outside its 95 % ellipse; here the distance is about 0.07. Subtract half a point if the two numbers of the personal robot are missing.",
+            numbers=personal_numbers,
         )
     ],
 )

@@ -14,6 +14,7 @@ from nao_course.exercises import Case, Close, Exercise, LessonPlan, Question, Wr
 from nao_course.geometry import Pose
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.experiments.intervals import Interval, case_of
+from nao_course.lessons.experiments.personal import personal_numbers
 from nao_course.sim import NAO_V4, CameraView
 from nao_course.student import earlier
 
@@ -828,7 +829,8 @@ PLAN = LessonPlan(
             "experiment_report",
             points=6,
             question="Write a report of one page about your search: the question, the method, results with figures and intervals, what they mean, and which result would change your mind.",
-            rubric="1 point, method: pictures (how many, which, that they are the simulator's), what counts as a hit (8 px, one-to-one, a crossing (X) counts as false), the weights, the 27 settings. 1 point, baseline: the cost of reporting nothing on the same pictures, and each result compared with it. 1 point, uncertainty: an interval with its probability for the chosen setting, and paired differences from other settings or from reporting nothing. 1 point, choice: it says that the best of 27 settings looks better than it is on the pictures it was chosen on, and gives the number or a result on other pictures. 1 point, the paper: which parts of Table A.1 agree and which do not (rank correlation, means that thirty pictures cannot have, an undefined sigma), and at least one explanation other than carelessness. 1 point, conclusion: it follows from the numbers, names at least one limit (simulator, one resolution, few pictures, one detector) and what result would change it. Subtract a point if a necessary figure is not named, or if a number has no unit.",
+            rubric="1 point, method: pictures (how many, which, that they are the simulator's), what counts as a hit (8 px, one-to-one, a crossing (X) counts as false), the weights, the 27 settings. 1 point, baseline: the cost of reporting nothing on the same pictures, and each result compared with it. 1 point, uncertainty: an interval with its probability for the chosen setting, and paired differences from other settings or from reporting nothing. 1 point, choice: it says that the best of 27 settings looks better than it is on the pictures it was chosen on, and gives its cost in the personal room, where nothing was chosen. 1 point, the paper: which parts of Table A.1 agree and which do not (rank correlation, means that thirty pictures cannot have, an undefined sigma), and at least one explanation other than carelessness. 1 point, conclusion: it follows from the numbers, names at least one limit (simulator, one resolution, few pictures, one detector) and what result would change it. Subtract a point if a necessary figure is not named, or if a number has no unit.",
+            numbers=personal_numbers,
         )
     ],
 )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import ast
+import csv
 import hashlib
 import json
 import re
-from collections.abc import Collection, Mapping
+import shutil
+import zipfile
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
+from nao_course._internal.personal_world import STAMP, PersonalWorld, stamp_of
 from nao_course.exercises.checking import unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.homework import NOTEBOOKS, RELEASE, zipped
@@ -20,6 +24,7 @@ from nao_course.instructor.authoring.leaks import find_leaks, fingerprints, fing
 from nao_course.instructor.authoring.mistakes import Change
 from nao_course.instructor.authoring.plans import load_plan
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
+from nao_course.instructor.collecting.names import safe_name
 
 # In the zip; the same for each release, so that a newer one is unpacked over an older one.
 FOLDER = "nao-course"
@@ -31,7 +36,12 @@ ALL_LESSONS = "all lessons"  # reported instead of a single lesson's name
 
 
 def make_release(
-    course: Course, out: Path, tell: Tell = lambda lesson, step: None, *, prove: bool = False
+    course: Course,
+    out: Path,
+    tell: Tell = lambda lesson, step: None,
+    *,
+    prove: bool = False,
+    students: Sequence[str] = (),
 ) -> Path:
     """Write the zip of a release, and beside it settings for those who use nbgrader.
 
@@ -45,11 +55,14 @@ def make_release(
         Called with a lesson's name and what is done to it.
     prove : bool
         Whether declarations are proven again that are proven and have not changed.
+    students : sequence of str
+        Names of students, each of whom gets an archive of their own in the folder ``students``. It contains the name,
+        from which the student's personal data follow.
 
     Returns
     -------
     Path
-        The zip.
+        The zip without a name.
 
     Raises
     ------
@@ -71,8 +84,53 @@ def make_release(
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"{FOLDER}-{course.version}.zip"
     path.write_bytes(zipped({f"{FOLDER}/{name}": content for name, content in files.items()}))
+    for student in students:
+        tell(ALL_LESSONS, f"for {student}")
+        _write_copy(path, out / "students" / f"{path.stem}-{safe_name(student)}.zip", student)
     (out / "nbgrader_config.py").write_text(nbgrader_config(), encoding="utf-8")
     return path
+
+
+def read_students(path: Path) -> list[str]:
+    """Read the names of a class: one in each line, or the first column of a CSV file with the header "student".
+
+    Raises
+    ------
+    LessonError
+        If the file cannot be read, contains no name, or two names would be the same file or personal world.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise LessonError(
+            f"cannot read the names in {path} ({error}): it must be a text file in UTF-8"
+        ) from None
+    cells = [row[0].strip() for row in csv.reader(lines) if row]
+    names = [name for name in (cells[1:] if cells[:1] == ["student"] else cells) if name]
+    if not names:
+        raise LessonError(
+            f"{path} contains no names: write one student in each line, named as in the gradebook"
+        )
+    seen: dict[int, int] = {}
+    for number, name in enumerate(names):
+        first = seen.setdefault(PersonalWorld(name).seed(""), number)
+        if first != number:
+            raise LessonError(
+                f"{path} contains {names[first]!r} and {name!r}, which cannot be told apart: rename one of them"
+            )
+    return names
+
+
+def _write_copy(path: Path, target: Path, student: str) -> None:
+    """Write a copy of a release's archive that contains the student's name."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    beside = target.with_suffix(".part")
+    shutil.copyfile(path, beside)
+    with zipfile.ZipFile(beside, "a", zipfile.ZIP_DEFLATED) as archive:
+        entry = zipfile.ZipInfo(f"{FOLDER}/{RELEASE.as_posix()}/{STAMP}")  # its date is always 1980
+        entry.create_system, entry.external_attr = 3, 0o100644 << 16
+        archive.writestr(entry, stamp_of(student))
+    beside.replace(target)
 
 
 def nbgrader_config() -> str:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
+from nao_course._internal.personal_world import EXAMPLE
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, WrittenAnswer
@@ -29,9 +30,11 @@ FOLDER = "marking"  # in GRADES
 HEADER = ("student", "lesson", "question", "answer", "points", "comment", "max points")
 MOST_SAID = 20  # problems of a file that are listed
 _NUMBER = re.compile(r"[0-9]{1,6}(?:[.,][0-9]{0,6})?|[.,][0-9]{1,6}", re.ASCII)
+_DECIMAL = re.compile(r"(-?\d{1,6})[.,](\d{2,6})(?!\d)", re.ASCII)
 _CODE = re.compile(r"student-[0-9a-f]{10}")
 
 Code = Callable[[str], str]
+Numbers = Callable[[str, str, str], Mapping[str, float]]  # of a lesson's question and a student
 Key = tuple[str, str, str]  # student, lesson, question; as a table shows them
 
 
@@ -108,7 +111,14 @@ class _Answer:
         return self.code if anonymous else self.score.result.student
 
 
-def write_sheets(journal: Journal, folder: Path, code: Code, *, anonymous: bool = False) -> list[Sheet]:
+def no_numbers(lesson: str, question: str, student: str) -> Mapping[str, float]:
+    """Return no numbers, as for a question that asks for none."""
+    return {}
+
+
+def write_sheets(
+    journal: Journal, folder: Path, code: Code, *, anonymous: bool = False, numbers: Numbers = no_numbers
+) -> list[Sheet]:
     """Write a table and a page for each written question; marks already given stand in them.
 
     Parameters
@@ -121,6 +131,9 @@ def write_sheets(journal: Journal, folder: Path, code: Code, *, anonymous: bool 
         Returns a student's code, such as `secret.student_code` with the instructor's secret.
     anonymous : bool
         Whether students are named by their codes, and ordered by them. `read_marks` finds the students.
+    numbers : callable
+        ``numbers(lesson, question, student)`` returns the numbers of the student's personal world by what they are. The
+        page shows whether they are in the answer. With an empty name it returns those of the course's example.
 
     Returns
     -------
@@ -140,7 +153,10 @@ def write_sheets(journal: Journal, folder: Path, code: Code, *, anonymous: bool 
     known = _by_key(answers)
     for path in paths.values():
         _refuse_to_lose(path.with_name(f"{path.name}.csv"), known)
-    return [_write_sheet(paths[question], given, anonymous) for question, given in sorted(questions.items())]
+    return [
+        _write_sheet(paths[question], given, anonymous, numbers)
+        for question, given in sorted(questions.items())
+    ]
 
 
 def _answers(journal: Journal, code: Code) -> list[_Answer]:
@@ -158,7 +174,7 @@ def _by_key(answers: Iterable[_Answer]) -> dict[Key, _Answer]:
     return {(each.code, *each.key[1:]): each for each in answers} | {each.key: each for each in answers}
 
 
-def _write_sheet(path: Path, answers: Sequence[_Answer], anonymous: bool) -> Sheet:
+def _write_sheet(path: Path, answers: Sequence[_Answer], anonymous: bool, numbers: Numbers) -> Sheet:
     if anonymous:
         answers = sorted(answers, key=lambda each: each.code)
     given = [each for each in answers if each.has_a_row]
@@ -176,7 +192,7 @@ def _write_sheet(path: Path, answers: Sequence[_Answer], anonymous: bool) -> She
     ]
     return Sheet(
         write_whole(path.with_name(f"{path.name}.csv"), table([HEADER, *rows])),
-        write_whole(path.with_name(f"{path.name}.html"), _page(answers, anonymous)),
+        write_whole(path.with_name(f"{path.name}.html"), _page(answers, anonymous, numbers)),
         len(given),
         sum(each.is_open for each in answers),
     )
@@ -321,13 +337,14 @@ def _same(mark: Mark, other: Mark | None) -> bool:
 # --- the page ---
 
 
-def _page(answers: Sequence[_Answer], anonymous: bool) -> str:
+def _page(answers: Sequence[_Answer], anonymous: bool, numbers: Numbers) -> str:
     """Return the page of a question: what it is marked by on top, all answers below."""
     last = answers[-1].answer  # of several versions of the question
     worth = f"{number(last.points)} {'point' if last.points == 1 else 'points'}"
     given = [each for each in answers if each.has_a_row]
     missing = [each.named(anonymous) for each in answers if not each.has_a_row]
     left = sum(each.is_open for each in answers)
+    worlds = _worlds(given, anonymous, numbers)
     return page(
         f"To mark: {last.name}",
         element(
@@ -343,17 +360,83 @@ def _page(answers: Sequence[_Answer], anonymous: bool) -> str:
             class_="box calm",
         ),
         element("h2", f"{say_count(len(given), 'answer')}, {left} to mark"),
-        *(element("article", *_shown(each, anonymous), class_="card") for each in given),
+        *(element("article", *_shown(each, anonymous, worlds), class_="card") for each in given),
         element("h2", "No answer: 0 points") if missing else None,
         element("p", ", ".join(missing)) if missing else None,
     )
 
 
-def _shown(each: _Answer, anonymous: bool) -> Iterator[Markup]:
+def _worlds(given: Sequence[_Answer], anonymous: bool, numbers: Numbers) -> dict[str, Mapping[str, float]]:
+    """Return the numbers of the personal worlds of all who answered, by their names, and those of the example."""
+    if not given:
+        return {}
+    _, lesson, question = given[0].key
+    found = {each.named(anonymous): numbers(lesson, question, each.score.result.student) for each in given}
+    found[EXAMPLE] = numbers(lesson, question, "")
+    return {name: of for name, of in found.items() if of}
+
+
+def _shown(each: _Answer, anonymous: bool, worlds: Mapping[str, Mapping[str, float]]) -> Iterator[Markup]:
     mark = each.mark
     state = f"{number(mark.points)} of {number(each.answer.points)}" if mark else "to mark"
     name = element("h3", element("bdi", each.named(anonymous)))
     yield element("div", name, element("span", state, class_="points"), class_="top")
     yield element("div", each.answer.text.strip(), class_="said", dir="auto")
+    for line in compare_numbers(each.answer.text, each.named(anonymous), worlds):
+        yield element("p", line, class_="soft small")
     if mark and mark.comment:
         yield element("p", "Comment: ", mark.comment, class_="soft small kept")
+
+
+# --- numbers of a personal world ---
+
+
+def compare_numbers(answer: str, student: str, worlds: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
+    """Compare the numbers in an answer with those of the student's personal world.
+
+    Parameters
+    ----------
+    answer : str
+        The student's answer.
+    student : str
+        Name of the student, or what stands for it.
+    worlds : mapping of str to (mapping of str to float)
+        Numbers of the personal world of each student by what they are.
+
+    Yields
+    ------
+    str
+        The student's numbers, and whether they are in the answer; then whose numbers the answer has instead.
+    """
+    own = worlds.get(student, {})
+    if not own:
+        return
+    found = {name: contains_number(answer, value) for name, value in own.items()}
+    each = (
+        f"{name} {value:.3f} ({'in the answer' if found[name] else 'not in the answer'})"
+        for name, value in own.items()
+    )
+    yield f"Personal world: {'; '.join(each)}"
+    if any(found.values()):
+        return
+    others = [
+        name
+        for name, numbers in worlds.items()
+        if name != student and all(contains_number(answer, value) for value in numbers.values())
+    ]
+    if others:
+        yield f"The answer has all numbers of another personal world: {', '.join(others)}"
+
+
+def contains_number(text: str, value: float) -> bool:
+    """Return whether a text contains a value, rounded to two or more decimals, with a point or a comma.
+
+    Examples
+    --------
+    >>> contains_number("The mean distance is 1,08.", 1.0834), contains_number("It is 1.1.", 1.0834)
+    (True, False)
+    """
+    for whole, decimals in _DECIMAL.findall(text):
+        if abs(float(f"{whole}.{decimals}") - value) <= 0.501 * 10.0 ** -len(decimals):
+            return True
+    return False

@@ -22,6 +22,7 @@ from nao_course.lessons.ekf_slam.filters import CompressedFilter, FirstEstimates
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, own_log
 from nao_course.lessons.ekf_slam.noise import joint_noise
 from nao_course.lessons.ekf_slam.panel import FilmPanel
+from nao_course.lessons.ekf_slam.personal import personal_table
 from nao_course.lessons.ekf_slam.starts import draw_starts
 
 __all__ = [
@@ -49,6 +50,7 @@ __all__ = [
     "joint_noise",
     "mean_nis",
     "own_log",
+    "personal_table",
     "record_film",
     "turn_factor",
 ]

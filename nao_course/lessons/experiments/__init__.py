@@ -25,6 +25,7 @@ _NAMES = {
     ),
     "panel": ("SettingPanel",),
     "paper_table": ("BETAS", "GAPS", "LENGTHS", "PAPER_MEANS", "PAPER_SIGMAS", "SETTINGS"),
+    "personal": ("personal_costs",),
     "reading": ("draw_agreement", "draw_possible", "draw_sizes", "impossible_means"),
     "resampling": ("optimism", "shares_won"),
     "scenes": ("nothing_costs", "real_scenes", "search_scenes", "simulated_scenes"),

@@ -13,6 +13,7 @@ import nbformat
 import numpy as np
 import pytest
 
+from nao_course._internal.personal_world import personal_world
 from nao_course.exercises.checking import pack, unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text, release
@@ -127,6 +128,51 @@ def test_an_instructors_answer_in_a_release_is_refused(course):
         "your answer to say_why is in it" in each
         for each in release_problems(course, {"release/notebooks/01_toy.ipynb": leaking.encode()})
     )
+
+
+# --- copies with a name ---
+
+
+def test_each_student_gets_the_release_with_their_name_in_it(finished, tmp_path, monkeypatch):
+    monkeypatch.setattr(release, "release_problems", lambda course, files: [])
+    names = ["ada", "Łucja Nguyễn", "../evil"]
+    common = zipfile.ZipFile(release.make_release(finished, tmp_path / "out", students=names))
+    found = {}
+    for path in (tmp_path / "out" / "students").iterdir():
+        copy = zipfile.ZipFile(path)
+        assert copy.testzip() is None
+        (added,) = set(copy.namelist()) - set(common.namelist())
+        assert len(copy.namelist()) == len(set(copy.namelist()))
+        copy.extractall(tmp_path / path.stem)
+        found[personal_world(tmp_path / path.stem / "nao-course" / "notebooks").student] = added
+    assert found == dict.fromkeys(names, "nao-course/release/student.json")
+
+
+def test_names_are_read_from_lines_and_from_a_table(tmp_path):
+    path = tmp_path / "names.txt"
+    path.write_text("\ufeffada\n\n  bob \n", encoding="utf-8")
+    assert release.read_students(path) == ["ada", "bob"]
+    path.write_text('student,email\n"Lovelace, Ada",a@b\nbob,\n', encoding="utf-8")
+    assert release.read_students(path) == ["Lovelace, Ada", "bob"]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "contains no names"),
+        (b"student\n\n", "contains no names"),
+        (b"\xff\xfe\x00", "text file in UTF-8"),
+        (b"Ada\nada\n", "'Ada' and 'ada'"),
+        (b"ada\nada\n", "'ada' and 'ada'"),
+    ],
+)
+def test_names_that_cannot_be_used_are_refused(tmp_path, content, message):
+    path = tmp_path / "names.txt"
+    path.write_bytes(content)
+    with pytest.raises(LessonError, match=message):
+        release.read_students(path)
+    with pytest.raises(LessonError, match="cannot read"):
+        release.read_students(tmp_path / "nothing.txt")
 
 
 # --- nbgrader ---

@@ -1,0 +1,86 @@
+"""The numbers of each student's personal world, for those who mark written answers."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from nao_course._internal.personal_world import PersonalWorld
+from nao_course.exercises.definitions import read_cells
+from nao_course.exercises.earlier import resolved_by
+from nao_course.instructor.authoring.course import Course
+from nao_course.instructor.authoring.plans import load_solution, solutions_beside
+from nao_course.instructor.autograding.assignment import library_digest
+
+Numbers = Mapping[str, float]  # by what they are
+Compute = Callable[[PersonalWorld, Mapping[str, Callable[..., Any]]], Numbers]
+
+
+class PersonalNumbers:
+    """Numbers that a student's answer to a written question must contain, if the question asks for any.
+
+    They are computed with the solution and kept in a file, because some take seconds for each student.
+
+    Parameters
+    ----------
+    course : Course
+        The course. Lessons with such questions must be built.
+    path : Path
+        File that keeps the numbers. It may be deleted.
+    """
+
+    def __init__(self, course: Course, path: Path) -> None:
+        """Read the numbers that are kept."""
+        self._course, self._path = course, path
+        try:
+            self._kept: dict[str, dict[str, float]] = json.loads(path.read_bytes())
+        except (OSError, ValueError):
+            self._kept = {}
+        self._questions, self._solution, self._version = (
+            cache(self._questions_of),
+            cache(self._solution_of),
+            cache(self._version_of),
+        )
+
+    def needs(self, lesson: str, question: str) -> bool:
+        """Return whether a question asks for numbers of the personal world."""
+        return question in self._questions(lesson)
+
+    def __call__(self, lesson: str, question: str, student: str) -> Numbers:
+        """Return the numbers of a student; none if the question asks for none, the example's if the name is empty."""
+        compute = self._questions(lesson).get(question)
+        if compute is None:
+            return {}
+        key = "/".join([lesson, question, student, self._version(lesson)])
+        if key not in self._kept:
+            with resolved_by(solutions_beside(self._notebook(lesson))):
+                found = compute(PersonalWorld(student), self._solution(lesson))
+            self._kept[key] = {name: float(value) for name, value in found.items()}
+        return self._kept[key]
+
+    def keep(self) -> None:
+        """Write all numbers to the file; no file if there are none."""
+        if self._kept:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._path.write_text(json.dumps(self._kept, ensure_ascii=False), encoding="utf-8")
+
+    def _notebook(self, lesson: str) -> Path:
+        return self._course.solutions / f"{lesson}.ipynb"
+
+    def _questions_of(self, lesson: str) -> Mapping[str, Compute]:
+        if lesson not in self._course.names():
+            return {}
+        return {
+            each.name: each.numbers for each in self._course.plan(lesson).written if each.numbers is not None
+        }
+
+    def _solution_of(self, lesson: str) -> Mapping[str, Callable[..., Any]]:
+        return load_solution(self._notebook(lesson))
+
+    def _version_of(self, lesson: str) -> str:
+        cells = json.dumps(read_cells(self._notebook(lesson)))
+        return hashlib.sha256(f"{library_digest(lesson)}{cells}".encode()).hexdigest()[:16]

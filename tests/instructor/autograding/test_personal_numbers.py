@@ -1,0 +1,55 @@
+"""Numbers of the students' own worlds: computed with the solution, kept, and computed again when it changes."""
+
+import json
+
+import pytest
+
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.autograding.personal_numbers import PersonalNumbers
+from tests.toy.course import lay_out, run, with_a_written_question, write
+
+NUMBERS = """
+def numbers(world, solution):
+    return {"twice the seed": solution["double"](float(world.seed("toy") % 100))}
+
+PLAN ="""
+
+
+@pytest.fixture
+def asking(tmp_path, monkeypatch):
+    """A built course with a question that asks for a number."""
+    course = load_course(lay_out(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    with_a_written_question(course)
+    plan = course.solutions / "exercises" / "01_toy.py"
+    write(plan, "PLAN =", NUMBERS)
+    write(plan, '"one point for each two")', '"one point for each two", numbers=numbers)')
+    assert run("build", "--no-execute").exit_code == 0
+    return course
+
+
+def test_each_student_has_own_numbers_which_are_kept(asking, tmp_path):
+    path = tmp_path / "marking" / "numbers.json"
+    numbers = PersonalNumbers(asking, path)
+    assert numbers.needs("01_toy", "say_why")
+    found = {name: numbers("01_toy", "say_why", name) for name in ("ada", "bob", "")}
+    values = [of["twice the seed"] for of in found.values()]
+    assert len(set(values)) == 3 and all(value % 2 == 0 for value in values)
+    numbers.keep()
+    kept = json.loads(path.read_text())
+    path.write_text(json.dumps({key: {"twice the seed": -1.0} for key in kept}))
+    again = PersonalNumbers(asking, path)
+    assert again("01_toy", "say_why", "ada") == {"twice the seed": -1.0}
+    write(asking.text("01_toy"), "return 2.0 * value", "return value + value")
+    assert run("build", "--no-execute").exit_code == 0
+    assert PersonalNumbers(asking, path)("01_toy", "say_why", "ada") == found["ada"]
+
+
+def test_other_questions_have_none_and_a_damaged_file_is_no_problem(asking, tmp_path):
+    path = tmp_path / "numbers.json"
+    path.write_bytes(b"{")
+    numbers = PersonalNumbers(asking, path)
+    assert not numbers.needs("01_toy", "other") and numbers("01_toy", "other", "ada") == {}
+    assert not numbers.needs("99_gone", "say_why") and numbers("99_gone", "say_why", "ada") == {}
+    numbers.keep()
+    assert path.read_bytes() == b"{"
