@@ -12,7 +12,7 @@ from pathlib import Path
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn, track
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from nao_course._internal.counts import say_count
@@ -464,17 +464,7 @@ def _sheets(journal: Journal, grades: Path, anonymous: bool) -> Iterator[str]:
     folder = grades / marking_sheets.FOLDER
     code = partial(student_code, load_secret())
     numbers = PersonalNumbers(load_course(), folder / "personal_numbers.json")
-    wanted = [
-        (result.lesson, answer.name, result.student)
-        for result in journal.results()
-        for answer in result.written
-        if answer.text.strip() and numbers.needs(result.lesson, answer.name)
-    ]
-    try:
-        for lesson, question, student in track(wanted, "personal numbers", disable=not wanted):
-            numbers(lesson, question, student)
-    finally:
-        numbers.keep()
+    numbers.compute(journal.results())
     written = marking_sheets.write_sheets(journal, folder, code, anonymous=anonymous, numbers=numbers)
     for each in written:
         yield f"wrote {each.table} and .html: {say_count(each.answers, 'answer')}, {each.open} to mark"

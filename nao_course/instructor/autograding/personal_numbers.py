@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from rich.progress import track
 
 from nao_course._internal.personal_world import PersonalWorld
 from nao_course.exercises.definitions import read_cells
@@ -15,6 +17,7 @@ from nao_course.exercises.earlier import resolved_by
 from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.authoring.plans import load_solution, solutions_beside
 from nao_course.instructor.autograding.assignment import library_digest
+from nao_course.instructor.gradebook.records import SubmissionResult
 
 Numbers = Mapping[str, float]  # by what they are
 Compute = Callable[[PersonalWorld, Mapping[str, Callable[..., Any]]], Numbers]
@@ -62,7 +65,21 @@ class PersonalNumbers:
             self._kept[key] = {name: float(value) for name, value in found.items()}
         return self._kept[key]
 
-    def keep(self) -> None:
+    def compute(self, results: Iterable[SubmissionResult]) -> None:
+        """Compute the numbers of all answers that need any, with a progress bar, and write them to the file."""
+        wanted = [
+            (result.lesson, answer.name, result.student)
+            for result in results
+            for answer in result.written
+            if answer.text.strip() and self.needs(result.lesson, answer.name)
+        ]
+        try:
+            for lesson, question, student in track(wanted, "personal numbers", disable=not wanted):
+                self(lesson, question, student)
+        finally:
+            self._keep()
+
+    def _keep(self) -> None:
         """Write all numbers to the file; no file if there are none."""
         if self._kept:
             self._path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,11 +1,13 @@
 """Numbers of the students' own worlds: computed with the solution, kept, and computed again when it changes."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.personal_numbers import PersonalNumbers
+from tests.pages import answer, result
 from tests.toy.course import lay_out, run, with_a_written_question, write
 
 NUMBERS = """
@@ -31,11 +33,13 @@ def asking(tmp_path, monkeypatch):
 def test_each_student_has_own_numbers_which_are_kept(asking, tmp_path):
     path = tmp_path / "marking" / "numbers.json"
     numbers = PersonalNumbers(asking, path)
-    assert numbers.needs("01_toy", "say_why")
+    numbers.compute([])
+    assert not path.exists()
     found = {name: numbers("01_toy", "say_why", name) for name in ("ada", "bob", "")}
     values = [of["twice the seed"] for of in found.values()]
     assert len(set(values)) == 3 and all(value % 2 == 0 for value in values)
-    numbers.keep()
+    given = (result(name, answer(name="say_why", text=text)) for name, text in (("ada", "2"), ("cyd", " ")))
+    numbers.compute(replace(each, lesson="01_toy") for each in given)
     kept = json.loads(path.read_text())
     path.write_text(json.dumps({key: {"twice the seed": -1.0} for key in kept}))
     again = PersonalNumbers(asking, path)
@@ -51,5 +55,5 @@ def test_other_questions_have_none_and_a_damaged_file_is_no_problem(asking, tmp_
     numbers = PersonalNumbers(asking, path)
     assert not numbers.needs("01_toy", "other") and numbers("01_toy", "other", "ada") == {}
     assert not numbers.needs("99_gone", "say_why") and numbers("99_gone", "say_why", "ada") == {}
-    numbers.keep()
+    numbers.compute([result("ada", answer(name="other"))])
     assert path.read_bytes() == b"{"
