@@ -37,6 +37,7 @@ BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with
             "grading_profile",
             "panel",
             "siege",
+            "similar",
             "slow_students",
         ),
         "world",

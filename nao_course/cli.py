@@ -397,6 +397,22 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
             _say(line)
 
 
+@app.command(hidden=_STUDENTS)
+def similar(
+    submissions: Path = typer.Argument(..., help="Folder of submissions, or the zip archive, as for grade."),
+    out: Path = typer.Option(..., metavar="FOLDER", help="Folder for the page."),
+    lesson: list[str] = typer.Option(
+        [], help="Number of a lesson; by default all lessons that were handed in."
+    ),
+) -> None:
+    """Write a page with pairs of notebooks whose own code is suspiciously similar (instructors)."""
+    with _plainly():
+        from nao_course.instructor.similarity.command import find_similar
+
+        for line in find_similar(console, submissions, lesson, out):
+            _say(line)
+
+
 @new.command("exercise")
 def new_exercise(
     lesson: str, name: str, a_class: bool = typer.Option(False, "--class", help="The student writes a class.")

@@ -58,6 +58,7 @@ OURS = {
         "bdi",
         "code",
         "pre",
+        "mark",
         "strong",
         "svg",
         "rect",

@@ -75,6 +75,8 @@ svg, img { display: block; max-width: 100%; }
 .right li:first-child { border-top: 0; }
 .right p { flex-basis: 100%; margin: 0.1rem 0 0 1.4rem; }
 .kept { white-space: pre-wrap; }
+.sides { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 0 1rem; }
+mark { background: var(--warn-paper); color: inherit; box-shadow: inset 0 -2px var(--warn); }
 .said { white-space: pre-wrap; border-left: 3px solid var(--line); padding-left: 0.8rem; margin: 0.4rem 0 0; }
 table { border-collapse: collapse; width: 100%; margin-top: 0.6rem; font-size: 0.95rem; }
 th, td { text-align: left; padding: 0.35rem 0.6rem 0.35rem 0; border-bottom: 1px solid var(--line);

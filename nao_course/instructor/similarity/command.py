@@ -1,0 +1,104 @@
+"""`nao-course similar`: read the submissions, compare the students' own code, write the page."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress
+
+from nao_course._internal.counts import say_count
+from nao_course.exercises import definitions
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.autograding.scratch import laid_out, scratch_folder
+from nao_course.instructor.collecting import files
+from nao_course.instructor.collecting.archives import Refused
+from nao_course.instructor.collecting.submissions import Submission, gather
+from nao_course.instructor.reports.html import write_whole
+from nao_course.instructor.similarity.comparing import LONGEST, Work, similar_pairs
+from nao_course.instructor.similarity.known_code import known_code
+from nao_course.instructor.similarity.page import similar_page
+
+PAGE = "similar.html"
+_OWN = ("solution", "student")  # roles of the cells that a student writes
+
+
+def find_similar(console: Console, path: Path, lessons: Sequence[str], out: Path) -> Iterator[str]:
+    """Write the page of similar notebooks; yield what to say about it.
+
+    Parameters
+    ----------
+    console : Console
+        For the progress bar.
+    path : Path
+        A folder of submissions, or the zip of a learning platform: what `nao-course grade` takes.
+    lessons : sequence of str
+        Numbers or names; all lessons that were handed in by default.
+    out : Path
+        Folder for the page.
+
+    Raises
+    ------
+    ValueError
+        If there are not two notebooks of a lesson.
+    """
+    course = load_course()
+    with scratch_folder() as scratch, Progress(console=console, transient=True) as progress:
+        found = gather(path, scratch, course.names(), course.names(lessons))
+        left_out = [f"{each.student}, {each.lesson}: {each.reason}" for each in found.refused]
+        left_out += found.not_graded
+        works: dict[str, list[Work]] = defaultdict(list)
+        for each in progress.track(found.submissions, description="reading"):
+            try:
+                works[each.lesson].append(Work(each.student, own_cells(each)))
+            except Refused as refused:
+                left_out.append(f"{each.student}, {each.lesson}: {refused}")
+        if not any(len(each) > 1 for each in works.values()):
+            raise ValueError(
+                f"{path} contains no two notebooks of a lesson to compare. Give a folder of "
+                "STUDENT/01_hsl_filtering.ipynb with several students"
+            )
+        left_out += [
+            f"{work.student}, {lesson}: only the first {LONGEST} characters of its code were compared"
+            for lesson, of_lesson in works.items()
+            for work in of_lesson
+            if len(work.code) > LONGEST
+        ]
+        pairs = {
+            lesson: similar_pairs(
+                progress.track(works[lesson], description=lesson), known_code(course, lesson)
+            )
+            for lesson in sorted(works)
+        }
+    for lesson, of_lesson in pairs.items():
+        yield f"{lesson}: {say_count(len(works[lesson]), 'notebook')}, {say_count(len(of_lesson), 'similar pair')}"
+    for line in left_out:
+        yield f"not compared: {line}"
+    compared = {lesson: len(of_lesson) for lesson, of_lesson in works.items()}
+    yield f"wrote {write_whole(out / PAGE, similar_page(pairs, compared, left_out))}"
+
+
+def own_cells(submission: Submission) -> tuple[str, ...]:
+    """Return the code that a student wrote: exercises, cells that were added, and helper files.
+
+    Raises
+    ------
+    Refused
+        If the notebook cannot be read.
+    """
+    try:
+        with laid_out(files.read(submission, _without_outputs), submission.lesson) as notebook:
+            cells = [source for role, source in definitions.read_cells(notebook) if role in _OWN]
+            helpers = [
+                notebook.with_name(name).read_text(encoding="utf-8", errors="replace")
+                for name, _ in submission.helpers
+            ]
+    except ValueError as error:
+        raise Refused(str(error)) from None
+    return (*cells, *helpers)
+
+
+def _without_outputs(name: str, size: int, parts: Iterable[bytes]) -> bytes:
+    return definitions.without_outputs(name, b"".join(parts))

@@ -1,0 +1,126 @@
+"""`nao-course similar`: reads what `grade` reads, and writes a page that nobody's notebook can take over."""
+
+import json
+
+import nbformat
+import pytest
+from typer.testing import CliRunner
+
+from benchmarks.course.similar import disguised
+from nao_course import cli
+from nao_course.instructor.similarity.comparing import SimilarPair, Work
+from nao_course.instructor.similarity.page import MOST_SHOWN, similar_page
+from tests.instructor.similarity.test_comparing import OWN
+from tests.pages import HOSTILE, Page
+from tests.paths import PROJECT
+
+LESSON = "02_goalposts"
+
+
+@pytest.fixture(autouse=True)
+def in_the_course(monkeypatch):
+    monkeypatch.chdir(PROJECT)
+    monkeypatch.setattr(cli.console, "width", 200)
+
+
+def similar(folder, *words):
+    done = CliRunner().invoke(cli.app, ["similar", str(folder), "--out", str(folder.parent / "out"), *words])
+    page = folder.parent / "out" / "similar.html"
+    return done, Page(page.read_text("utf-8")) if page.exists() else None
+
+
+def hand_in(folder, student, code="", name=f"{LESSON}.ipynb"):
+    notebook = nbformat.read(PROJECT / "notebooks" / f"{LESSON}.ipynb", as_version=4)
+    if code:
+        notebook.cells.append(nbformat.v4.new_code_cell(code))
+    path = folder / student / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    nbformat.write(notebook, path)
+    return path
+
+
+def test_a_copy_is_shown_side_by_side_and_released_code_is_not(tmp_path):
+    folder = tmp_path / "in"
+    for student, code in {"ada": OWN, "ben": "", "eve": disguised(OWN), "zoe": ""}.items():
+        hand_in(folder, student, code)
+    done, page = similar(folder, "--lesson", "02")
+    assert done.exit_code == 0, done.output
+    assert f"{LESSON}: 4 notebooks, 1 similar pair" in done.output
+    assert "ada and eve" in page.text and "ben" not in page.text and "zoe" not in page.text
+    assert page.tags.count("mark") >= 2 and page.offences() == []
+
+
+def test_helper_files_count_as_own_code(tmp_path):
+    folder = tmp_path / "in"
+    for student in ("ada", "ben"):
+        hand_in(folder, student).with_name("tools.py").write_text(OWN)
+    done, _ = similar(folder)
+    assert "1 similar pair" in done.output
+
+
+def test_a_student_with_two_files_is_not_similar_to_the_same_student(tmp_path):
+    folder = tmp_path / "in"
+    hand_in(folder, "ada", OWN)
+    hand_in(folder, "ada", OWN, f"{LESSON} (1).ipynb")
+    hand_in(folder, "ben")
+    done, page = similar(folder)
+    assert "2 notebooks, 0 similar pairs" in done.output and "ada" not in page.text
+
+
+@pytest.mark.parametrize("students", [[], ["ada"]])
+def test_a_folder_without_two_notebooks_is_refused(tmp_path, students):
+    folder = tmp_path / "in"
+    folder.mkdir()
+    for student in students:
+        hand_in(folder, student)
+    done, page = similar(folder)
+    assert done.exit_code == 1 and "no two notebooks of a lesson" in done.output and page is None
+
+
+def test_what_cannot_be_read_is_listed_and_the_rest_is_compared(tmp_path):
+    folder = tmp_path / "in"
+    for student in ("ada", "ben"):
+        hand_in(folder, student, OWN)
+    hand_in(folder, "eve").write_text("no notebook")
+    hand_in(folder, "zoe").write_text("")
+    done, page = similar(folder)
+    assert "1 similar pair" in done.output
+    assert "eve, 02_goalposts:" in page.text and "zoe, 02_goalposts: it is empty" in page.text
+
+
+def test_a_notebook_with_large_outputs_is_compared(tmp_path):
+    folder = tmp_path / "in"
+    hand_in(folder, "ada", OWN)
+    path = hand_in(folder, "ben", OWN)
+    notebook = json.loads(path.read_text("utf-8"))
+    notebook["cells"][-1]["outputs"] = [{"output_type": "stream", "name": "stdout", "text": "x" * 3 * 2**20}]
+    path.write_text(json.dumps(notebook))
+    assert "1 similar pair" in similar(folder)[0].output
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_hostile_names_and_code_stay_text(text):
+    pair = SimilarPair(
+        Work(text, (text, text * 3)), Work("ben", (text,)), 0.5, 40, ([(1, 3), (4, 9)], [(0, len(text))])
+    )
+    page = Page(similar_page({LESSON: [pair]}, {LESSON: 2}, [text]))
+    assert page.offences() == []
+
+
+def test_only_the_first_pairs_show_their_code_and_all_are_listed():
+    work = Work("ada", ("x",))
+    pairs = [SimilarPair(work, Work(f"s{k}", ("y",)), 0.5, 40, ([], [])) for k in range(MOST_SHOWN + 5)]
+    page = Page(similar_page({LESSON: pairs}, {LESSON: 2}, []))
+    assert page.tags.count("section") == MOST_SHOWN and page.tags.count("tr") == MOST_SHOWN + 6
+    assert f"ada and s{MOST_SHOWN + 4}" in page.text and f"{MOST_SHOWN + 6} students" in page.text
+
+
+def test_lines_far_from_a_passage_are_counted_and_not_shown():
+    code = "".join(f"line_{number}\n" for number in range(40))
+    start = code.index("line_20")
+    work = Work("ada", (code,))
+    page = Page(
+        similar_page({LESSON: [SimilarPair(work, work, 1, 40, ([(start, start + 7)], []))]}, {LESSON: 2}, [])
+    )
+    shown = page.text.partition("[16 other lines]")[2].partition("[16 other lines]")[0]
+    assert shown.split() == [f"line_{number}" for number in range(16, 24)]

@@ -1,0 +1,135 @@
+"""Copies are found however they are disguised; what independent students have in common is not."""
+
+from itertools import pairwise
+
+import pytest
+
+from benchmarks.course.similar import CHANGES, Lesson, given, listed
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.similarity import comparing
+from nao_course.instructor.similarity.comparing import COMMON, Work, similar_pairs
+from nao_course.instructor.similarity.known_code import alternatives, given_code, known_code, right_answers
+from tests.paths import PROJECT
+
+OWN = '''
+def centre(points, weights):
+    """Find the weighted centre."""
+    total = 0.0
+    moment = np.zeros(2)
+    for point, weight in zip(points, weights):
+        if weight <= 0 or not np.isfinite(point).all():
+            continue  # an outlier
+        moment = moment + weight * np.asarray(point)
+        total += weight
+    if total == 0:
+        raise ValueError("no point has a weight")
+    residuals = np.asarray(points) - moment / total
+    radius = np.sqrt((residuals**2).sum(axis=1)).max()
+    return moment / total, radius, sorted(range(len(points)), key=lambda i: -weights[i])[:3]
+'''
+OTHER = """
+def centre(points, weights):
+    keep = [i for i, w in enumerate(weights) if w > 0]
+    chosen, good = points[keep], weights[keep]
+    middle = np.average(chosen, axis=0, weights=good)
+    order = np.argsort(-weights)
+    return middle, np.linalg.norm(points - middle, axis=-1).max(), order[:3].tolist()
+"""
+
+
+def pairs_of(*codes, known=()):
+    works = [
+        Work(f"s{number:02d}", (code,) if isinstance(code, str) else tuple(code))
+        for number, code in enumerate(codes)
+    ]
+    return [(each.first.student, each.second.student) for each in similar_pairs(works, known)]
+
+
+@pytest.fixture(scope="module", params=["02_goalposts", "08_graph_slam"])
+def lesson(request):
+    course = load_course(PROJECT)
+    return Lesson(given(course, request.param), right_answers(course, request.param))
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_a_changed_copy_is_found(change):
+    assert change(OWN) != OWN
+    assert pairs_of(OWN, OTHER, change(OWN)) == [("s00", "s02")]
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_a_changed_copy_of_a_whole_notebook_is_found(lesson, change):
+    assert all(listed(shared, share) for shared, share, _ in lesson.copied(change))
+
+
+def test_independent_right_answers_are_not_found(lesson):
+    assert not any(listed(*each) for each in lesson.independent())
+
+
+def test_the_marked_passages_are_what_both_have():
+    renamed = OWN.replace("moment", "m").replace("total", "sum_of_weights")
+    (pair,) = similar_pairs(
+        [Work("ada", ("# mine\n", f"{OTHER}{OWN}")), Work("ben", (f"\nx = 1\n{renamed}", OTHER))], [OTHER]
+    )
+    for work, passages in zip((pair.first, pair.second), pair.passages, strict=True):
+        marked = "".join(work.code[start:end] for start, end in passages)
+        assert "np.isfinite(" in marked and "np.average" not in marked
+        assert all(before[1] < after[0] for before, after in pairwise(passages))
+
+
+def test_what_is_known_is_not_found():
+    assert pairs_of(OWN, OWN) and not pairs_of(OWN, OWN, known=[OWN])
+    assert pairs_of(OWN, OWN, known=[OTHER])
+
+
+def test_a_notebook_is_not_found_for_what_is_released_or_for_the_solution():
+    course = load_course(PROJECT)
+    lesson = "02_goalposts"
+    solution = [codes[0] for codes in right_answers(course, lesson).values()]
+    known = known_code(course, lesson)
+    assert not pairs_of(given_code(course, lesson), given_code(course, lesson), known=known)
+    assert not pairs_of(solution, solution, known=known)
+
+
+def test_what_many_different_notebooks_contain_is_not_found_but_many_equal_copies_are():
+    distinct = [f"{OWN}\ny = {str(number) * 60}" for number in range(COMMON + 1)]
+    assert not pairs_of(*distinct)
+    assert len(pairs_of(*distinct[:COMMON])) == COMMON * (COMMON - 1) / 2
+    assert len(pairs_of(*[OWN] * (COMMON + 1))) == COMMON * (COMMON + 1) / 2
+
+
+def test_a_little_in_common_is_not_found(monkeypatch):
+    short = "x = np.linspace(0, 1, 11, endpoint=False)\n"
+    assert not pairs_of(short, short)
+    monkeypatch.setattr(comparing, "LEAST_SHARED", 1)
+    assert pairs_of(short, short)
+
+
+@pytest.mark.parametrize(
+    "code", ["", "\n", "def (", "%matplotlib inline\n!ls", "\x00", "x = '\ud83d'", "\ufeff\r\n"]
+)
+def test_any_text_can_be_compared(code):
+    assert pairs_of(code, OWN, code, OWN) == [("s01", "s03")]
+
+
+def test_code_that_alternatives_share_is_in_none_of_them():
+    text = (
+        "def _adapt(f):\n    return lambda x: f(x)\n"
+        "def _loop(x):\n    return sum(x)\n"
+        "class _Total:\n    def __call__(self, x):\n        return _loop(x)\n"
+        "MORE = {'a': _adapt(np.sum), 'b': _adapt(math.fsum), 'c': _Total}\n"
+        "E = Exercise('total', alternatives=MORE)\nF = Exercise('sum', alternatives=MORE)\n"
+    )
+    found = alternatives(text)
+    assert found["sum"] == found["total"]
+    assert found["total"][:2] == ["_adapt(np.sum)", "_adapt(math.fsum)"]
+    assert found["total"][2].startswith("def _loop(x):") and "class _Total:" in found["total"][2]
+
+
+def test_every_lessons_alternatives_are_found():
+    course = load_course(PROJECT)
+    for lesson in course.names():
+        answers = right_answers(course, lesson)
+        declared = {each.name: len(each.alternatives) for each in course.plan(lesson).exercises}
+        assert {name: len(codes) - 1 for name, codes in answers.items()} == declared
+        assert all(code.strip() for codes in answers.values() for code in codes)
