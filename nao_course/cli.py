@@ -193,6 +193,11 @@ def demo(
         metavar="FOLDER",
         help="Use recorded pictures of a real walk: the folder that contains amsterdam_2013.",
     ),
+    field: Path | None = typer.Option(
+        None,
+        metavar="FILE",
+        help="TOML file of the field; or 2013, 2025 or lab. By default half the field of 2012.",
+    ),
 ) -> None:
     """Let the robot map the field with your own functions; write a figure, a film and the errors into a folder."""
     with _plainly():
@@ -206,11 +211,14 @@ def demo(
         report.make_folder(out)
         solutions = Path("solutions")  # in the course's repository, the solutions drive
         functions = drive.demo_functions(chosen, solutions if solutions.is_dir() else _notebooks())
-        frames, pictures, field = drive.route(seed, walk)
-        story = drive.run_demo(functions, track(frames, "driving", pictures, console=console), chosen, joint)
-        for line in report.in_words(story, field):
+        frames, pictures, ground = drive.route(seed, walk, field)
+        for line in report.field_in_words(ground):
             _say(line)
-        for path in film.write_all(story, field, out):
+        driving = track(frames, "driving", pictures, console=console)
+        story = drive.run_demo(functions, driving, chosen, joint, ground.dimensions)
+        for line in report.in_words(story, ground):
+            _say(line)
+        for path in film.write_all(story, ground, out):
             _say(f"wrote {os.path.relpath(path)}")
 
 

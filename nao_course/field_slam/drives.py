@@ -1,4 +1,4 @@
-"""Simulated drives over the half field: a driver who knows the true pose steers, and the robot takes pictures."""
+"""Simulated drives over a field: a driver who knows the true pose steers, and the robot takes pictures."""
 
 from __future__ import annotations
 
@@ -28,11 +28,32 @@ YAWS = (0.8, 0.0, -0.8)  # rad: three pictures of 61 degrees each, which overlap
 HEAD_PITCH = float(np.radians(-31.0))
 # Standard deviations of the body tilt, as measured on real pictures (docs/real_data.md).
 TILT = TorsoTilt(float(np.radians(1.3)), float(np.radians(0.8)))
-# Lower left and upper right corner of the area where the robot drives, m.
-INSIDE = ((0.25, -1.75), (2.75, 1.75))
+FROM_LINES = 0.25  # m: least distance of the robot from the field's outer lines
 NEAREST_GOAL, SMALLEST_TURN = 1.2, float(np.radians(30))  # m and rad: a new goal is at least this far away
-GOAL_LINE = 3.0  # m: x of the goal line on the half field of 2012
+SMALLEST_FIELD = (2.0, 2.0)  # m, along x and y: on a smaller one, there is not always a goal as far away
 LEAST_SIGMA = 0.001  # m: also a robot that only turns moves a little
+
+Area = tuple[tuple[float, float], tuple[float, float]]
+
+
+def inside(field: Field) -> Area:
+    """Return the lower left and the upper right corner of the area of a field where the robot drives, m.
+
+    Raises
+    ------
+    ValueError
+        If the field is too small for a drive.
+    """
+    (x0, x1), (y0, y1) = field.x_range, field.y_range
+    if x1 - x0 < SMALLEST_FIELD[0] or y1 - y0 < SMALLEST_FIELD[1]:
+        raise ValueError(
+            f"a drive needs a field of at least {SMALLEST_FIELD[0]:g} x {SMALLEST_FIELD[1]:g} m between its lines, "
+            f"got {x1 - x0:g} x {y1 - y0:g} m"
+        )
+    return (x0 + FROM_LINES, y0 + FROM_LINES), (x1 - FROM_LINES, y1 - FROM_LINES)
+
+
+INSIDE = inside(Field(2012))
 
 
 @register
@@ -91,10 +112,12 @@ class Shot:
     truth: PictureTruth
 
 
-def start_of(seed: int) -> Pose:
-    """Return the first pose of a drive in the field frame: near the halfway line, facing the goal."""
-    x, y, turn = np.random.default_rng([seed, 11]).uniform((0.3, -1.0, -0.3), (0.7, 1.0, 0.3))
-    return Pose(float(x), float(y), float(np.arctan2(-y, GOAL_LINE - x) + turn))
+def start_of(seed: int, field: Field | None = None) -> Pose:
+    """Return the first pose of a drive in the field frame: near the halfway line, facing the centre of a goal line."""
+    field = field or Field(2012)
+    goal_line, aside = field.x_range[1], field.dimensions.width / 4
+    x, y, turn = np.random.default_rng([seed, 11]).uniform((0.3, -aside, -0.3), (0.7, aside, 0.3))
+    return Pose(float(x), float(y), float(np.arctan2(-y, goal_line - x) + turn))
 
 
 def drive_over_field(
@@ -104,8 +127,9 @@ def drive_over_field(
     moves: int = MOVES,
     yaws: Sequence[float] = YAWS,
     reality: Reality | None = None,
+    field: Field | None = None,
 ) -> Iterator[Shot]:
-    """Drive over the half field and yield the pictures of each stop, which are rendered one at a time.
+    """Drive over a field and yield the pictures of each stop, which are rendered one at a time.
 
     Parameters
     ----------
@@ -119,21 +143,24 @@ def drive_over_field(
         Yaw angles of the head at each stop, rad.
     reality : Reality, optional
         Appearance of the pictures; by default the preset `lab` in a room that depends on the seed.
+    field : Field, optional
+        Field; by default half a field by the rules of 2012.
 
     Yields
     ------
     Shot
         A picture for each yaw angle at each of the (moves + 1) stops.
     """
+    field = field or Field(2012)
     nao = SimulatedNao(
-        Field(2012),
-        start_of(seed),
+        field,
+        start_of(seed, field),
         np.random.default_rng([seed, 12]),
         odometry_noise=OdometryNoisePerMove(factor=factor),
         tilt=TILT,
         reality=reality or Reality.lab(seed),
     )
-    world, driver = Truth(nao), Driver(np.random.default_rng([seed, 13]))
+    world, driver = Truth(nao), Driver(np.random.default_rng([seed, 13]), inside(field))
     for stop in range(moves + 1):
         motion = driver.next(world.pose) if stop else None
         if motion is not None:
@@ -153,16 +180,18 @@ class Driver:
     ----------
     rng : numpy.random.Generator
         Source of the random goals.
+    area : ((float, float), (float, float))
+        Lower left and upper right corner of the area where the robot drives, m.
     """
 
-    def __init__(self, rng: np.random.Generator) -> None:
+    def __init__(self, rng: np.random.Generator, area: Area = INSIDE) -> None:
         """Start without a goal."""
-        self._rng = rng
+        self._rng, self._area = rng, area
         self._goal: FloatArray | None = None
 
     def next(self, pose: Pose) -> Motion:
         """Return the next motion: a step ahead that stays inside the field, then a turn towards the goal."""
-        step = room_ahead(pose.as_array(), STEP)
+        step = room_ahead(pose.as_array(), STEP, self._area)
         there = pose @ Pose(step, 0.0, 0.0)
         if self._goal is None or np.hypot(*there.to_local(self._goal)[0]) < STEP:
             self._goal = self._new_goal(there)
@@ -172,16 +201,16 @@ class Driver:
     def _new_goal(self, pose: Pose) -> FloatArray:
         """Return a random goal that is neither too near nor straight ahead."""
         while True:
-            goal = self._rng.uniform(*INSIDE)
+            goal = self._rng.uniform(*self._area)
             ahead, left = pose.to_local(goal)[0]
             if np.hypot(ahead, left) >= NEAREST_GOAL and abs(np.arctan2(left, ahead)) > SMALLEST_TURN:
                 return goal
 
 
-def room_ahead(pose: FloatArray, step: float) -> float:
-    """Return how far the robot can walk ahead from a pose (3,) without leaving `INSIDE`, m; at most one step."""
+def room_ahead(pose: FloatArray, step: float, area: Area = INSIDE) -> float:
+    """Return how far the robot can walk ahead from a pose (3,) without leaving an area, m; at most one step."""
     position, heading = pose[:2], rotation_2d(float(pose[2]))[:, 0]
-    to_edge = np.where(heading > 0, INSIDE[1] - position, INSIDE[0] - position)
+    to_edge = np.where(heading > 0, area[1] - position, area[0] - position)
     # The robot never reaches an edge that is parallel to its heading.
     room = np.divide(to_edge, heading, out=np.full(2, np.inf), where=heading != 0)
     return float(np.clip(room.min(), 0.0, step))

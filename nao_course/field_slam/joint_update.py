@@ -19,7 +19,7 @@ from scipy.linalg import block_diag
 from nao_course.field_slam.adaptive_noise import FACTORS, AdaptiveOdometryNoise, OdometryModel
 from nao_course.field_slam.association import landmark_jacobian
 from nao_course.field_slam.compass import AGREES, QUARTER, BodyTilt, wrap_quarter
-from nao_course.field_slam.known_shapes.circle import Circle, find_circle
+from nao_course.field_slam.known_shapes.circle import RADIUS, Circle, find_circle
 from nao_course.field_slam.likelihood import (
     Part,
     PictureLikelihood,
@@ -73,7 +73,9 @@ class Scene(Observation):
     circle: Circle | None = None
 
 
-def scene(seen: Observation, tilt: BodyTilt, lines: FloatArray, level: CameraView) -> Scene:
+def scene(
+    seen: Observation, tilt: BodyTilt, lines: FloatArray, level: CameraView, radius: float = RADIUS
+) -> Scene:
     """Add the lines and the centre circle to the landmarks of a picture.
 
     Parameters
@@ -86,6 +88,8 @@ def scene(seen: Observation, tilt: BodyTilt, lines: FloatArray, level: CameraVie
         Lines as returned by `read_lines`, px.
     level : CameraView
         View of the camera, corrected by the tilt.
+    radius : float
+        Radius of the field's centre circle, m; 0 if there is none.
 
     Returns
     -------
@@ -95,7 +99,7 @@ def scene(seen: Observation, tilt: BodyTilt, lines: FloatArray, level: CameraVie
     """
     own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
     found = field_lines(lines, tilt, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
-    return Scene(**own, shared=tilt.covariance[:2, 2], lines=found, circle=find_circle(lines, level))
+    return Scene(**own, shared=tilt.covariance[:2, 2], lines=found, circle=find_circle(lines, level, radius))
 
 
 def field_lines(lines: FloatArray, tilt: BodyTilt, level: CameraView) -> FloatArray:

@@ -35,7 +35,7 @@ REACH, ARM = ((0.08, 0.03), (0.09, 0.03))
 DUPLICATES = 8.0  # px at 320: of corners that are nearer to each other, one is kept
 
 
-def read_lines(picture: Pixels, view: CameraView) -> FloatArray:
+def read_lines(picture: Pixels, view: CameraView, line_width: float = LINE_WIDTH) -> FloatArray:
     """Find the centre lines of the field's straight lines: two facing edges with carpet on both outer sides.
 
     Parameters
@@ -44,6 +44,8 @@ def read_lines(picture: Pixels, view: CameraView) -> FloatArray:
         RGB picture of the view's size.
     view : CameraView
         Assumed view of the camera.
+    line_width : float
+        Width of the field's lines, m.
 
     Returns
     -------
@@ -64,7 +66,7 @@ def read_lines(picture: Pixels, view: CameraView) -> FloatArray:
     carpet = cv2.dilate(cv2.inRange(hls, *GREEN), np.ones((3, 3), np.uint8)) > 0
     top = _first_row(view)
     edges = _edges_of_carpet(lightness[top:], carpet[top:], scale) + (0, top, 0, top)
-    return _merge(_centre_lines(edges, view, scale), scale)
+    return _merge(_centre_lines(edges, view, scale, line_width), scale)
 
 
 def corners_of_lines(lines: FloatArray, view: CameraView) -> FloatArray:
@@ -158,13 +160,13 @@ def _values_at(plane: npt.NDArray[Any], points: FloatArray) -> npt.NDArray[Any]:
 # --- centre lines ---
 
 
-def _centre_lines(edges: FloatArray, view: CameraView, scale: float) -> FloatArray:
+def _centre_lines(edges: FloatArray, view: CameraView, scale: float, line_width: float) -> FloatArray:
     """Return the centre lines (M, 4) between edges (N, 4) that face each other at most the width of a line apart."""
     direction, left = _directions(edges), _left_of(edges)
     i, j = np.nonzero(np.triu(direction @ direction.T <= -PARALLEL))
     midpoint_j = (edges[j, :2] + edges[j, 2:]) / 2
     width = ((midpoint_j - edges[i, :2]) * left[i]).sum(axis=1)
-    facing = (width > 0.5 * scale) & (width <= _widest(midpoint_j, view, scale))
+    facing = (width > 0.5 * scale) & (width <= _widest(midpoint_j, view, scale, line_width))
     i, j = i[facing], j[facing]
     axis = direction[i] - direction[j]
     axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
@@ -184,10 +186,10 @@ def _point_at(edges: FloatArray, axis: FloatArray, at: FloatArray) -> FloatArray
     return np.asarray(first + ((at - a) / (b - a))[:, None] * (last - first))
 
 
-def _widest(points: FloatArray, view: CameraView, scale: float) -> FloatArray:
+def _widest(points: FloatArray, view: CameraView, scale: float, line_width: float) -> FloatArray:
     """Return the largest apparent width (N,) of a line at points (N, 2), px; 0 above the horizon."""
     distance = np.hypot(view.height, np.hypot(*to_ground(points, view).T))
-    return np.nan_to_num(WIDER * view.focal[0] * LINE_WIDTH / distance + SLACK * scale, nan=0.0)
+    return np.nan_to_num(WIDER * view.focal[0] * line_width / distance + SLACK * scale, nan=0.0)
 
 
 def to_ground(points: FloatArray, view: CameraView) -> FloatArray:

@@ -15,16 +15,17 @@ from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.datasets import read_pictures
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import tilt_from_lines
-from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field
+from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field, inside
 from nao_course.field_slam.hypotheses import MultipleHypotheses
 from nao_course.field_slam.joint_update import JointUpdate, scene
 from nao_course.field_slam.known_shapes.calibration import CameraCalibration
+from nao_course.field_slam.known_shapes.white_posts import as_goal_colour
 from nao_course.field_slam.lines import corners_of_lines, read_lines
 from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observation, observation, tilted
 from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.field_slam.walk import Frame, real_walk
 from nao_course.geometry import FloatArray, Pose
-from nao_course.sim import CameraView, Field
+from nao_course.sim import DIMENSIONS, CameraView, Field, FieldDimensions
 from nao_course.slam import Estimate, SlamAlgorithm
 from nao_course.student.notebooks import own_function
 
@@ -35,6 +36,7 @@ ALGORITHMS = {"ekf": "11:EkfSlam", "graph": "11:GraphSlam"}
 CORNER_SIGMA, JOINT_CORNER_SIGMA = 0.5, 0.35
 FARTHEST = 6.0  # m: largest range of a measurement that is used
 GATE = 4.0  # standard deviations
+RULES = DIMENSIONS[2012]
 
 Functions = Mapping[str, Callable[..., Any]]
 
@@ -72,13 +74,15 @@ class Story:
         return [frame.pose for frame in self.frames]
 
 
-def simulated(seed: int, moves: int) -> Iterator[Frame]:
-    """Render a drive over the half field; see `drive_over_field`."""
-    for shot in drive_over_field(seed, moves=moves):
+def simulated(seed: int, moves: int, field: Field | None = None) -> Iterator[Frame]:
+    """Render a drive over a field; see `drive_over_field`."""
+    for shot in drive_over_field(seed, moves=moves, field=field):
         yield Frame(shot.motion, shot.picture.pixels, shot.picture.view, shot.pose)
 
 
-def route(seed: int, walk: Path | None = None) -> tuple[Iterator[Frame], int, Field]:
+def route(
+    seed: int, walk: Path | None = None, field: Path | None = None
+) -> tuple[Iterator[Frame], int, Field]:
     """Return the pictures of a drive or walk, their number, and the field.
 
     Parameters
@@ -88,11 +92,22 @@ def route(seed: int, walk: Path | None = None) -> tuple[Iterator[Frame], int, Fi
     walk : Path, optional
         Folder that contains ``amsterdam_2013``, or the folder of the walk itself. If it is given, the real pictures are
         used instead of a simulated drive.
+    field : Path, optional
+        File of the field to drive on, as `Field.from_toml` takes it; by default the half field of 2012.
+
+    Raises
+    ------
+    ValueError
+        If both are given, or if the field's file is not valid or the field is too small.
     """
     if walk is None:
-        return simulated(seed, MOVES), (MOVES + 1) * len(YAWS), Field(2012)
-    own = (walk / "annotations.json").is_file()
-    pictures = read_pictures("straightwalk", walk.resolve().parents[1] if own else walk)
+        own = Field(2012) if field is None else Field.from_toml(field)
+        inside(own)
+        return simulated(seed, MOVES, own), (MOVES + 1) * len(YAWS), own
+    if field is not None:
+        raise ValueError("--field is for simulated drives; the real walk was recorded on a field of 2012")
+    itself = (walk / "annotations.json").is_file()
+    pictures = read_pictures("straightwalk", walk.resolve().parents[1] if itself else walk)
     return real_walk(pictures, seed), len(pictures), Field(2012, half=False)
 
 
@@ -117,6 +132,7 @@ def see(
     view: CameraView,
     farthest: float = FARTHEST,
     joint: bool = False,
+    rules: FieldDimensions = RULES,
 ) -> Observation:
     """Make an observation from a picture with the student's functions and the library's detection of lines.
 
@@ -132,8 +148,11 @@ def see(
         Largest range of a measurement that is used, m.
     joint : bool
         Whether the observation is a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
+    rules : FieldDimensions
+        Dimensions of the field; the width of its lines, the colour and posts of its goals, and its circle are used.
     """
-    return _measure(functions, _detect(functions, pixels, view), view, farthest, joint=joint)
+    found = _detect(functions, pixels, view, rules)
+    return _measure(functions, found, view, rules, farthest, joint=joint)
 
 
 def see_all(
@@ -141,6 +160,7 @@ def see_all(
     frames: Iterable[Frame],
     calibration: CameraCalibration | None = None,
     joint: bool = False,
+    rules: FieldDimensions = RULES,
 ) -> Iterator[Seen]:
     """Yield the observations of pictures in their order, and calibrate the camera on the way where that is needed.
 
@@ -157,26 +177,35 @@ def see_all(
         Estimate of the camera's offset, which is updated; a new one by default.
     joint : bool
         Whether each observation is a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
+    rules : FieldDimensions
+        Dimensions of the field; the width of its lines, the colour and posts of its goals, and its circle are used.
     """
     calibration = calibration or CameraCalibration()
     waiting: list[tuple[Frame, Detections, float]] = []
     for frame in frames:
         began = time.perf_counter()
         view = frame.view if frame.calibrated else calibration.reading_view(frame.view)
-        found = _detect(functions, frame.pixels, view)
+        found = _detect(functions, frame.pixels, view, rules)
         if not frame.calibrated:
             calibration.update(found.lines, found.posts, frame.view)
         waiting.append((frame, found, time.perf_counter() - began))
         if frame.calibrated or calibration.is_certain:
-            yield from (_measured(functions, *each, calibration, joint) for each in waiting)
+            yield from (_measured(functions, *each, calibration, joint, rules) for each in waiting)
             waiting = []
-    yield from (_measured(functions, *each, calibration, joint) for each in waiting)
+    yield from (_measured(functions, *each, calibration, joint, rules) for each in waiting)
 
 
-def _detect(functions: Functions, pixels: npt.NDArray[np.uint8], view: CameraView) -> Detections:
+def _detect(
+    functions: Functions, pixels: npt.NDArray[np.uint8], view: CameraView, rules: FieldDimensions
+) -> Detections:
+    lines = read_lines(pixels, view, rules.line_width)
+    if rules.goal_colour == "none":
+        return Detections(np.empty((0, 2)), lines)
     white = functions["white_threshold"](mean_lightness(pixels))
     labels = functions["color_labels"](pixels, GREEN, YELLOW, white)
-    return Detections(functions["find_goalposts"](labels), read_lines(pixels, view))
+    if rules.goal_colour == "white":
+        labels = as_goal_colour(labels, view, rules)
+    return Detections(functions["find_goalposts"](labels), lines)
 
 
 def _measured(
@@ -186,13 +215,14 @@ def _measured(
     seconds: float,
     calibration: CameraCalibration,
     joint: bool,
+    rules: FieldDimensions,
 ) -> Seen:
     """Measure what was detected in a picture after `seconds`, with the present calibration."""
     began, view = time.perf_counter(), frame.view
     prior: npt.ArrayLike = TILT_SIGMAS
     if not frame.calibrated:
         view, prior = calibration.corrected(view), calibration.tilt_covariance(view)
-    seen = _measure(functions, found, view, frame.farthest, prior, joint)
+    seen = _measure(functions, found, view, rules, frame.farthest, prior, joint)
     return Seen(frame, seen, seconds + time.perf_counter() - began)
 
 
@@ -200,6 +230,7 @@ def _measure(
     functions: Functions,
     found: Detections,
     view: CameraView,
+    rules: FieldDimensions,
     farthest: float,
     prior: npt.ArrayLike = TILT_SIGMAS,
     joint: bool = False,
@@ -212,7 +243,9 @@ def _measure(
     compass = tilt.direction, tilt.direction_sigma
     corner_sigma = JOINT_CORNER_SIGMA if joint else CORNER_SIGMA
     seen = observation(near, tilt.covariance[:2, :2], corner_sigma, *compass, POST_SIGMA)
-    return scene(seen, tilt, found.lines, level) if joint else seen
+    if not joint:
+        return seen
+    return scene(seen, tilt, found.lines, level, rules.circle_diameter / 2)
 
 
 def demo_functions(slam: Sequence[str], notebooks: Path) -> Functions:
@@ -245,7 +278,11 @@ def demo_functions(slam: Sequence[str], notebooks: Path) -> Functions:
 
 
 def run_demo(
-    functions: Functions, frames: Iterable[Frame], slam: Sequence[str], joint: bool = False
+    functions: Functions,
+    frames: Iterable[Frame],
+    slam: Sequence[str],
+    joint: bool = False,
+    rules: FieldDimensions = RULES,
 ) -> Story:
     """Run the algorithms, independently of each other, over the pictures of a drive.
 
@@ -260,6 +297,8 @@ def run_demo(
     joint : bool
         Whether the EKF also uses the lines and the centre circle, and keeps several hypotheses: the student's filter in
         a `JointUpdate` and `MultipleHypotheses`.
+    rules : FieldDimensions
+        Dimensions of the field; the width of its lines, the colour and posts of its goals, and its circle are used.
 
     Returns
     -------
@@ -268,7 +307,7 @@ def run_demo(
     """
     story = Story(estimates={name: [] for name in slam}, slam={name: [] for name in slam})
     algorithms: dict[str, SlamAlgorithm] = {}
-    for stop in _stops(see_all(functions, frames, joint=joint)):
+    for stop in _stops(see_all(functions, frames, joint=joint, rules=rules)):
         first = stop[0].frame
         motion = first.motion
         if not algorithms:

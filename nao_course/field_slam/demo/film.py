@@ -116,7 +116,7 @@ def _frames(story: Story, field: Field, chosen: list[int]) -> Iterator[Image.Ima
                 for artist in set(ax.get_children()) - kept:
                     artist.remove()
             seen.set_title(
-                f"after {way_of(story.poses[: number + 1]):.1f} m: {_plot_detections(seen, story, number)}",
+                f"after {way_of(story.poses[: number + 1]):.1f} m: {_plot_detections(seen, story, field, number)}",
                 fontsize=11,
             )
             _plot_drive(above, story, name, number)
@@ -154,10 +154,10 @@ def _plot_errors(ax: Axes, story: Story) -> None:
     ax.set_title("error on the way; dotted: standard deviation as stated", fontsize=11)
 
 
-def _plot_detections(ax: Axes, story: Story, number: int) -> str:
+def _plot_detections(ax: Axes, story: Story, field: Field, number: int) -> str:
     """Plot a picture with the lines, posts and corners that were found in it, and return their numbers as text."""
     seen, observed = story.frames[number], story.seen[number]
-    lines = read_lines(seen.pixels, seen.view)
+    lines = read_lines(seen.pixels, seen.view, field.dimensions.line_width)
     tilt = tilt_from_lines(lines, seen.view)
     level = tilted(seen.view, tilt.pitch, tilt.roll)
     plot_picture(seen.pixels, ax, ticks=False)

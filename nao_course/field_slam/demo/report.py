@@ -61,6 +61,19 @@ def in_words(story: Story, field_: Field) -> list[str]:
     return lines
 
 
+def field_in_words(field_: Field) -> list[str]:
+    """Return what the robot does differently on a field whose goals are not yellow, as text; nothing otherwise."""
+    match field_.dimensions.goal_colour:
+        case "white":
+            return [
+                "The goals are white. Lesson 02's find_goalposts gets the white posts as yellow pixels; it finds fewer "
+                "of them than yellow posts, because white walls hide them."
+            ]
+        case "none":
+            return ["The field has no goals: the robot maps corners only."]
+    return []
+
+
 def way_of(poses: Sequence[Pose]) -> float:
     """Return the length of a path, m."""
     path = np.array([(pose.x, pose.y) for pose in poses])

@@ -41,7 +41,7 @@ class Circle(NamedTuple):
     tilt_jacobian: FloatArray
 
 
-def find_circle(lines: npt.ArrayLike, view: CameraView) -> Circle | None:
+def find_circle(lines: npt.ArrayLike, view: CameraView, radius: float = RADIUS) -> Circle | None:
     """Find the centre circle, whose radius is known from the rules.
 
     Each segment suggests two possible centres, one on either side. The place with the most votes, weighted by length,
@@ -53,6 +53,8 @@ def find_circle(lines: npt.ArrayLike, view: CameraView) -> Circle | None:
         Lines as returned by `read_lines`, px.
     view : CameraView
         View of the camera, corrected by the body tilt.
+    radius : float
+        Radius of the field's centre circle, m; 0 if there is none.
 
     Returns
     -------
@@ -66,17 +68,17 @@ def find_circle(lines: npt.ArrayLike, view: CameraView) -> Circle | None:
         kept = (length > SEGMENT_LENGTH[0]) & (length < SEGMENT_LENGTH[1])
         kept &= np.hypot(*midpoint.T) < FARTHEST
     ground, along, midpoint, length = ground[kept], along[kept], midpoint[kept], length[kept]
-    if len(length) < LEAST_SEGMENTS:
+    if len(length) < LEAST_SEGMENTS or not radius:
         return None
     left = np.column_stack([-along[:, 1], along[:, 0]]) / length[:, None]
-    to_centre = np.sqrt(np.maximum(RADIUS**2 - (length / 2) ** 2, 0.0))[:, None] * left
+    to_centre = np.sqrt(np.maximum(radius**2 - (length / 2) ** 2, 0.0))[:, None] * left
     centres, weight = np.vstack([midpoint + to_centre, midpoint - to_centre]), np.tile(length, 2)
     near = np.linalg.norm(centres[:, None] - centres, axis=2) < SAME_CENTRE
     winner = near[(near @ weight).argmax()]
     centre = np.average(centres[winner], axis=0, weights=weight[winner])
     points = np.stack([ground[:, 0], midpoint, ground[:, 1]], axis=1)
     for _ in range(STEPS):
-        on_circle = (np.abs(np.linalg.norm(points - centre, axis=2) - RADIUS) < ON_CIRCLE).all(axis=1)
+        on_circle = (np.abs(np.linalg.norm(points - centre, axis=2) - radius) < ON_CIRCLE).all(axis=1)
         if on_circle.sum() < LEAST_SEGMENTS:
             return None
         outward = midpoint[on_circle] - centre
@@ -86,7 +88,7 @@ def find_circle(lines: npt.ArrayLike, view: CameraView) -> Circle | None:
         information = weighted.T @ outward
         if np.linalg.cond(information) > WORST_CONDITION:
             return None
-        centre = centre + np.linalg.solve(information, weighted.T @ (distance - RADIUS))
+        centre = centre + np.linalg.solve(information, weighted.T @ (distance - radius))
     x, y = midpoint[on_circle].T
     polar = np.column_stack([np.arctan2(y, x), np.hypot(x, y)])
     # The tilt changes the range of a segment; only the part of that change that points outward moves the centre.

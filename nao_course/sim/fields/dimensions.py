@@ -105,7 +105,8 @@ class FieldDimensions:
             for name, inner, outer in zip(("depth", "width"), self.goal_area, self.penalty_area, strict=True):
                 if inner >= outer:
                     raise ValueError(
-                        f"penalty_area: the {name} must be above the {name} of the goal area, {inner:g} m, got {outer:g}"
+                        f"penalty_area: the {name} must be above the {name} of the goal area, {inner:g} m, "
+                        f"got {outer:g}"
                     )
         if self.circle_diameter:
             room = min(self.width, self.length - 2 * (self.penalty_area or self.goal_area or (0.0,))[0])
