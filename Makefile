@@ -64,10 +64,11 @@ lock: .venv/dev.stamp  ## renew the lock files
 	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock
 	$(LOCK) --upgrade nao_course/instructor/pyproject.toml --no-emit-package nao-course --no-emit-package nao-course-instructor --extra lab --extra scale --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
 	$(LOCK) --upgrade --extra bench --constraint requirements-dev.lock --output-file requirements-bench.lock
+	$(LOCK) --upgrade --extra lab --extra hub --group build --constraint requirements-dev.lock --output-file deploy/hub/requirements.lock
 	$(LOCK) --upgrade --extra site --constraint requirements-dev.lock --output-file requirements-site.lock
 
 clean:  ## remove .venv and every cache; your notebooks stay
-	rm -rf .venv web/node_modules .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build/proofs
+	rm -rf .venv web/node_modules deploy/hub/node_modules .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build/proofs
 	find nao_course tests benchmarks solutions website -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 .venv/made.stamp:
@@ -91,6 +92,12 @@ clean:  ## remove .venv and every cache; your notebooks stay
 # The peers that the course is measured beside, on top of the big lock.
 .venv/bench.stamp: .venv/dev.stamp requirements-bench.lock
 	$(call install,requirements-bench.lock)
+	@touch $@
+
+# JupyterHub, for its tests and its load test; the proxy comes from npm.
+.venv/hub.stamp: .venv/dev.stamp deploy/hub/requirements.lock deploy/hub/package-lock.json
+	$(call install,deploy/hub/requirements.lock)
+	cd deploy/hub && npm ci --ignore-scripts --no-fund --no-audit
 	@touch $@
 
 # What makes pages of the lessons, on top of the big lock.

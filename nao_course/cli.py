@@ -169,15 +169,22 @@ def renew(root: Path = typer.Argument(Path(), help="Folder in which the release 
 
 
 @app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
-def lab(context: typer.Context) -> None:
+def lab(
+    context: typer.Context,
+    release: Path = typer.Option(
+        homework.RELEASE, envvar="NAO_COURSE_RELEASE", help="Folder of the release, if it is not here."
+    ),
+) -> None:
     """Open the lessons in JupyterLab; further arguments go to JupyterLab."""
     with _plainly():
-        command = nao_course.lab.command(_notebooks(), context.args)
-        if homework.RELEASE.is_dir():
-            for renewal in homework.renew(Path()):
+        if release.is_dir():
+            for renewal in homework.renew(Path(), release):
                 _say(str(renewal))
-            command = nao_course.lab.command(homework.NOTEBOOKS, context.args)
-    raise typer.Exit(subprocess.run(command, env=nao_course.lab.environment(), check=False).returncode)
+        command = nao_course.lab.command(_notebooks(), context.args)
+    environment = nao_course.lab.environment()
+    if nao_course.lab.on_a_hub():  # its server takes the place of this process, and of its memory
+        os.execve(command[0], command, environment)
+    raise typer.Exit(subprocess.run(command, env=environment, check=False).returncode)
 
 
 @app.command()

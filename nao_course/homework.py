@@ -181,7 +181,7 @@ class Renewal:
         return said + missing
 
 
-def renew(root: Path) -> list[Renewal]:
+def renew(root: Path, release: Path | None = None) -> list[Renewal]:
     """Copy the lessons of an unpacked release to the student's folder without losing work.
 
     A notebook that the student has not changed is replaced. For a changed notebook a copy is kept, and the new notebook
@@ -192,6 +192,8 @@ def renew(root: Path) -> list[Renewal]:
     ----------
     root : Path
         The folder with `release` and `notebooks`.
+    release : Path, optional
+        The folder of the release, if it is elsewhere: on a JupyterHub, all students share one.
 
     Returns
     -------
@@ -201,10 +203,10 @@ def renew(root: Path) -> list[Renewal]:
     Raises
     ------
     ValueError
-        If `root` contains no release, or a notebook of the release is broken.
+        If there is no release, or a notebook of the release is broken.
     """
     mine, given = root / NOTEBOOKS, root / NOTEBOOKS / _GIVEN
-    released = root / RELEASE / NOTEBOOKS
+    released = (release or root / RELEASE) / NOTEBOOKS
     if not released.is_dir():
         raise ValueError(
             f"there is no folder {released}: renew needs the folder in which the course's zip was unpacked. "

@@ -17,7 +17,10 @@ import pytest
 
 from tests.paths import PROJECT
 
-LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-bench.lock", "requirements-site.lock")
+LOCKS = (
+    *("requirements.lock", "requirements-dev.lock", "requirements-bench.lock", "requirements-site.lock"),
+    "deploy/hub/requirements.lock",
+)
 
 
 # Lock files
@@ -98,7 +101,7 @@ def test_a_lock_without_hash_or_version_or_with_an_address_is_found_out(broken):
 
 
 def test_what_a_student_runs_is_what_the_instructor_tests():
-    student, instructor, bench, site = (
+    student, instructor, bench, site, hub = (
         {re.sub(r"\[.*\]| ;.*", "", entry) for entry in lock_entries((PROJECT / name).read_text("utf-8"))}
         for name in LOCKS
     )
@@ -107,6 +110,7 @@ def test_what_a_student_runs_is_what_the_instructor_tests():
     assert {requirement_name(each) for each in bench - instructor} == peers
     shared = {requirement_name(each) for each in site} & {requirement_name(each) for each in instructor}
     assert {requirement_name(each) for each in site - instructor} & shared == set()
+    assert student - hub == set()
 
 
 @pytest.mark.parametrize("name", ["requirements.lock", "requirements-dev.lock"])
@@ -118,13 +122,15 @@ def test_a_lock_keeps_the_extras_that_packages_ask_for(name):
 
 def test_every_dependency_is_locked_and_has_its_reason_written_down():
     tables = declared()
-    small, big, bench, site = (locked_names((PROJECT / name).read_text(encoding="utf-8")) for name in LOCKS)
+    small, big, bench, site, hub = (
+        locked_names((PROJECT / name).read_text(encoding="utf-8")) for name in LOCKS
+    )
     student = {requirement_name(each) for table in ("core", "lab", "build") for each in tables[table]}
     everything = {requirement_name(each) for table in tables.values() for each in table}
     assert student - small == set()
-    extras = {requirement_name(each) for table in ("bench", "site") for each in tables[table]}
+    extras = {requirement_name(each) for table in ("bench", "hub", "site") for each in tables[table]}
     assert everything - big == extras
-    assert everything - big - bench - site == set()
+    assert everything - big - bench - site - hub == set()
     page = (PROJECT / "docs" / "dependencies.md").read_text(encoding="utf-8")
     explained = {name.lower() for name in re.findall(r"^\| `([\w.-]+)", page, re.MULTILINE)}
     assert explained == everything

@@ -364,6 +364,7 @@ def test_a_test_module_stands_where_its_module_stands():
         "browser",
         "toy",
         "benchmarks",
+        "deploy",
         "website",
     }
     astray = [

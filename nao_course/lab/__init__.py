@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-__all__ = ["command", "environment"]
+__all__ = ["command", "environment", "on_a_hub"]
 
 HERE = Path(__file__).parent
 # Bytes of one message: a phone's photo comes in one. Of more than 10 MB, its own limit, JupyterLab's server says
@@ -17,7 +17,16 @@ HERE = Path(__file__).parent
 LARGEST_MESSAGE = 60_000_000
 
 
-def command(folder: Path, arguments: Sequence[str] = ()) -> list[str]:
+# Other users of a hub's server could read a kernel's outputs from its TCP ports, which ask for no password.
+_ON_A_HUB = ("--KernelManager.transport=ipc", "--LabApp.extension_manager=readonly")
+
+
+def on_a_hub(inherited: Mapping[str, str] = os.environ) -> bool:
+    """Return whether JupyterHub has started this process."""
+    return "JUPYTERHUB_SERVICE_URL" in inherited
+
+
+def command(folder: Path, arguments: Sequence[str] = (), *, hub: bool | None = None) -> list[str]:
     """Return the command that opens a folder in JupyterLab.
 
     Parameters
@@ -26,6 +35,8 @@ def command(folder: Path, arguments: Sequence[str] = ()) -> list[str]:
         The folder of the notebooks.
     arguments : sequence of str
         Further arguments of JupyterLab, such as ``--no-browser``.
+    hub : bool, optional
+        Whether JupyterHub manages the server; by default as `on_a_hub` says.
 
     Returns
     -------
@@ -39,8 +50,10 @@ def command(folder: Path, arguments: Sequence[str] = ()) -> list[str]:
     """
     if find_spec("jupyterlab") is None:
         raise ModuleNotFoundError("JupyterLab is not installed", name="jupyterlab")
+    hub = on_a_hub() if hub is None else hub
+    opened = ("jupyterhub.singleuser", f"--ServerApp.root_dir={folder}", *_ON_A_HUB)
     return [
-        *(sys.executable, "-m", "jupyterlab", str(folder)),
+        *(sys.executable, "-m", *(opened if hub else ("jupyterlab", str(folder)))),
         f"--LabApp.app_settings_dir={HERE / 'settings'}",
         "--LabApp.custom_css=True",
         "--ServerApp.jpserver_extensions={'nao_course.lab': True}",
