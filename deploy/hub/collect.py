@@ -4,7 +4,8 @@ sudo python3 collect.py SUBMISSIONS [--homes FOLDER] [--sheet SHEET]
 
 With the learning platform's sheet of grades (Moodle's grading worksheet or Canvas's gradebook), each student's folder
 is named after the student and the platform's number, so that `nao-course export` finds the student in that sheet. Needs
-only Python. Students' files are not trusted: a link is never followed, and a file that belongs to another user is never copied.
+only Python. Students' files are not trusted: a link is never followed, and a file that belongs to another user is never
+copied.
 """
 
 from __future__ import annotations
