@@ -54,7 +54,7 @@ class PictureLikelihood:
         return gaussian_log_density(self.innovation[kept], self.S[np.ix_(kept, kept)]) + others
 
     def present(self, parts: Collection[Part]) -> tuple[Part, ...]:
-        """Return those of some parts that have measurements."""
+        """Return the parts that have measurements, in the given order."""
         return tuple(part for part in parts if self.others[part][1])
 
     def ignored(self, parts: Collection[Part]) -> float:

@@ -21,7 +21,6 @@ from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
-from nao_course.instructor.autograding.personal_numbers import PersonalNumbers
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.autograding.session import Machines, open_session
@@ -35,6 +34,7 @@ from nao_course.instructor.collecting.submissions import (
 )
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
+from nao_course.instructor.personal_numbers import PersonalNumbers
 from nao_course.instructor.reports import exports, marking_sheets, platforms
 from nao_course.instructor.reports.feedback import feedback_page
 from nao_course.instructor.reports.html import write_whole

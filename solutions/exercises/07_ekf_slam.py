@@ -26,9 +26,9 @@ from nao_course.exercises import (
 )
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.ekf_slam.evaluation import personal_numbers
 from nao_course.lessons.ekf_slam.filters.repeated_updates import stays_symmetric
 from nao_course.lessons.ekf_slam.noise import in_one_turn, joint_noise
-from nao_course.lessons.ekf_slam.personal import personal_numbers
 
 Array = npt.NDArray[Any]
 TURN = 2 * np.pi

@@ -116,7 +116,7 @@ def read_students(path: Path) -> list[str]:
         first = seen.setdefault(PersonalWorld(name).seed(""), number)
         if first != number:
             raise LessonError(
-                f"{path} contains {names[first]!r} and {name!r}, which cannot be told apart: rename one of them"
+                f"{path} contains {names[first]!r} and {name!r}, which cannot be distinguished: rename one of them"
             )
     return names
 

@@ -133,7 +133,7 @@ def write_sheets(
         Whether students are named by their codes, and ordered by them. `read_marks` finds the students.
     numbers : callable
         ``numbers(lesson, question, student)`` returns the numbers of the student's personal world by what they are. The
-        page shows whether they are in the answer. With an empty name it returns those of the course's example.
+        page shows whether they are in the answer. With an empty name it returns the numbers of the course's example.
 
     Returns
     -------
@@ -367,7 +367,7 @@ def _page(answers: Sequence[_Answer], anonymous: bool, numbers: Numbers) -> str:
 
 
 def _worlds(given: Sequence[_Answer], anonymous: bool, numbers: Numbers) -> dict[str, Mapping[str, float]]:
-    """Return the numbers of the personal worlds of all who answered, by their names, and those of the example."""
+    """Return the numbers of the personal worlds of all who answered, by their names, and of the example."""
     if not given:
         return {}
     _, lesson, question = given[0].key
@@ -392,7 +392,7 @@ def _shown(each: _Answer, anonymous: bool, worlds: Mapping[str, Mapping[str, flo
 
 
 def compare_numbers(answer: str, student: str, worlds: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
-    """Compare the numbers in an answer with those of the student's personal world.
+    """Compare an answer with the numbers of the student's personal world.
 
     Parameters
     ----------

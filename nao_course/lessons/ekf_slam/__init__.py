@@ -15,6 +15,7 @@ from nao_course.lessons.ekf_slam.evaluation import (
     draw_nis,
     first_lines,
     mean_nis,
+    personal_table,
     turn_factor,
 )
 from nao_course.lessons.ekf_slam.film import draw_film, record_film
@@ -22,7 +23,6 @@ from nao_course.lessons.ekf_slam.filters import CompressedFilter, FirstEstimates
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, own_log
 from nao_course.lessons.ekf_slam.noise import joint_noise
 from nao_course.lessons.ekf_slam.panel import FilmPanel
-from nao_course.lessons.ekf_slam.personal import personal_table
 from nao_course.lessons.ekf_slam.starts import draw_starts
 
 __all__ = [

@@ -5,8 +5,7 @@ import pytest
 
 from nao_course._internal.personal_world import PersonalWorld
 from nao_course.instructor.authoring.plans import load_plan, load_solution
-from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS
-from nao_course.lessons.ekf_slam.personal import (
+from nao_course.lessons.ekf_slam.evaluation import (
     LARGEST,
     SMALLEST,
     personal_distances,
@@ -14,6 +13,7 @@ from nao_course.lessons.ekf_slam.personal import (
     personal_sigmas,
     personal_table,
 )
+from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS
 from tests.paths import SOLUTIONS
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from nao_course.instructor.authoring.course import load_course
-from nao_course.instructor.autograding.personal_numbers import PersonalNumbers
+from nao_course.instructor.personal_numbers import PersonalNumbers
 from tests.pages import answer, result
 from tests.toy.course import lay_out, run, with_a_written_question, write
 
