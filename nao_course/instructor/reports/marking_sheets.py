@@ -417,7 +417,7 @@ def compare_numbers(answer: str, student: str, worlds: Mapping[str, Mapping[str,
         for name, value in own.items()
     )
     yield f"Personal world: {'; '.join(each)}"
-    if any(found.values()):
+    if all(found.values()):
         return
     others = [
         name

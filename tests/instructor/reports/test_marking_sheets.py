@@ -418,6 +418,7 @@ def test_an_answer_with_the_numbers_of_somebody_else_is_named():
     _, line = compare_numbers("It is 1.31, and the error 0.032.", "ada", WORLDS)
     assert line.endswith("another personal world: bob")
     assert len(list(compare_numbers("It is 1.31.", "ada", WORLDS))) == 1  # one number may be chance
+    assert len(list(compare_numbers("1.08 and 0.033; bob has 1.31 and 0.032.", "ada", WORLDS))) == 1
 
 
 def test_the_page_shows_the_numbers_without_the_names_where_marking_is_anonymous(journal, tmp_path):
