@@ -393,12 +393,15 @@ def marks(
         None, help="Sheet with marks to read; without it, empty sheets are written."
     ),
     anonymous: bool = typer.Option(False, "--anonymous", help="Write sheets with codes instead of names."),
+    worlds: Path | None = typer.Option(
+        None, help="CSV file with columns student and world: the names in students' copies, if they differ."
+    ),
 ) -> None:
     """Write sheets for marking the written answers, or read a completed sheet (instructors)."""
     with _plainly():
         from nao_course.instructor import commands
 
-        for line in commands.marks(grades, file, anonymous=anonymous):
+        for line in commands.marks(grades, file, anonymous=anonymous, worlds=worlds):
             _say(line)
 
 

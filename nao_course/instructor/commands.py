@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
@@ -34,7 +34,7 @@ from nao_course.instructor.collecting.submissions import (
 )
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
-from nao_course.instructor.personal_numbers import PersonalNumbers
+from nao_course.instructor.personal_numbers import PersonalNumbers, read_worlds
 from nao_course.instructor.reports import exports, marking_sheets, platforms
 from nao_course.instructor.reports.feedback import feedback_page
 from nao_course.instructor.reports.html import write_whole
@@ -424,7 +424,9 @@ def _lesson(journal: Journal, wanted: str) -> str | None:
     return meant[0]
 
 
-def marks(grades: Path, file: Path | None, *, anonymous: bool = False) -> Iterator[str]:
+def marks(
+    grades: Path, file: Path | None, *, anonymous: bool = False, worlds: Path | None = None
+) -> Iterator[str]:
     """Write the marking sheets, or read one back and renew the feedback; yield what to say about it.
 
     Parameters
@@ -435,6 +437,8 @@ def marks(grades: Path, file: Path | None, *, anonymous: bool = False) -> Iterat
         A sheet that is filled in.
     anonymous : bool
         Whether the sheets that are written name students by codes.
+    worlds : Path, optional
+        CSV file with the names in the students' copies, by the names in the gradebook.
 
     Raises
     ------
@@ -443,7 +447,7 @@ def marks(grades: Path, file: Path | None, *, anonymous: bool = False) -> Iterat
     """
     with Journal(grades, make=False) as journal:
         if file is None:
-            yield from _sheets(journal, grades, anonymous)
+            yield from _sheets(journal, grades, anonymous, read_worlds(worlds) if worlds else {})
             return
         taken = marking_sheets.read_marks(journal, file, partial(student_code, load_secret()))
         yield f"{say_count(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
@@ -460,10 +464,10 @@ def marks(grades: Path, file: Path | None, *, anonymous: bool = False) -> Iterat
             yield "Nothing is left to mark in it."
 
 
-def _sheets(journal: Journal, grades: Path, anonymous: bool) -> Iterator[str]:
+def _sheets(journal: Journal, grades: Path, anonymous: bool, worlds: Mapping[str, str]) -> Iterator[str]:
     folder = grades / marking_sheets.FOLDER
     code = partial(student_code, load_secret())
-    numbers = PersonalNumbers(load_course(), folder / "personal_numbers.json")
+    numbers = PersonalNumbers(load_course(), folder / "personal_numbers.json", worlds)
     numbers.compute(journal.results())
     written = marking_sheets.write_sheets(journal, folder, code, anonymous=anonymous, numbers=numbers)
     for each in written:

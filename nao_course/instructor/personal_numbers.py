@@ -18,6 +18,7 @@ from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.authoring.plans import load_solution, solutions_beside
 from nao_course.instructor.autograding.assignment import library_digest
 from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.reports.spreadsheets import read_table
 
 Numbers = Mapping[str, float]  # by what they are
 Compute = Callable[[PersonalWorld, Mapping[str, Callable[..., Any]]], Numbers]
@@ -34,11 +35,13 @@ class PersonalNumbers:
         The course. Lessons with such questions must be built.
     path : Path
         File that keeps the numbers. It may be deleted.
+    names : mapping of str to str, optional
+        Names in the students' copies of the course, where they differ from the names in the gradebook.
     """
 
-    def __init__(self, course: Course, path: Path) -> None:
+    def __init__(self, course: Course, path: Path, names: Mapping[str, str] | None = None) -> None:
         """Read the numbers that are kept."""
-        self._course, self._path = course, path
+        self._course, self._path, self._names = course, path, names or {}
         try:
             self._kept: dict[str, dict[str, float]] = json.loads(path.read_bytes())
         except (OSError, ValueError):
@@ -58,10 +61,11 @@ class PersonalNumbers:
         compute = self._questions(lesson).get(question)
         if compute is None:
             return {}
-        key = "/".join([lesson, question, student, self._version(lesson)])
+        name = self._names.get(student, student)
+        key = "/".join([lesson, question, name, self._version(lesson)])
         if key not in self._kept:
             with resolved_by(solutions_beside(self._notebook(lesson))):
-                found = compute(PersonalWorld(student), self._solution(lesson))
+                found = compute(PersonalWorld(name), self._solution(lesson))
             self._kept[key] = {name: float(value) for name, value in found.items()}
         return self._kept[key]
 
@@ -101,3 +105,14 @@ class PersonalNumbers:
     def _version_of(self, lesson: str) -> str:
         cells = json.dumps(read_cells(self._notebook(lesson)))
         return hashlib.sha256(f"{library_digest(lesson)}{cells}".encode()).hexdigest()[:16]
+
+
+def read_worlds(path: Path) -> dict[str, str]:
+    """Read the names in the students' copies from a CSV file with the columns "student" and "world".
+
+    Raises
+    ------
+    TableError
+        If it is no such file.
+    """
+    return {row["student"]: row["world"] for row in read_table(path, ("student", "world"))}

@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from nao_course.instructor.authoring.course import load_course
-from nao_course.instructor.personal_numbers import PersonalNumbers
+from nao_course.instructor.personal_numbers import PersonalNumbers, read_worlds
+from nao_course.instructor.reports.spreadsheets import TableError
 from tests.pages import answer, result
 from tests.toy.course import lay_out, run, with_a_written_question, write
 
@@ -57,3 +58,13 @@ def test_other_questions_have_none_and_a_damaged_file_is_no_problem(asking, tmp_
     assert not numbers.needs("99_gone", "say_why") and numbers("99_gone", "say_why", "ada") == {}
     numbers.compute([result("ada", answer(name="other"))])
     assert path.read_bytes() == b"{"
+
+
+def test_the_names_in_the_copies_may_differ_from_the_gradebook(asking, tmp_path):
+    path = tmp_path / "worlds.csv"
+    path.write_text('student,world\n"Ada Lovelace_17",ada\n', encoding="utf-8")
+    numbers = PersonalNumbers(asking, tmp_path / "numbers.json", read_worlds(path))
+    assert numbers("01_toy", "say_why", "Ada Lovelace_17") == numbers("01_toy", "say_why", "ada")
+    path.write_text("name\nada\n", encoding="utf-8")
+    with pytest.raises(TableError):
+        read_worlds(path)
