@@ -409,9 +409,9 @@ def marks(
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Write a page about the class: scores, exercises and refused submissions (instructors)."""
     with _plainly():
-        from nao_course.instructor import commands
+        from nao_course.instructor import class_commands
 
-        for line in commands.report(grades):
+        for line in class_commands.report(grades):
             _say(line)
 
 

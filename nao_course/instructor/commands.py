@@ -65,7 +65,7 @@ def grade_folder(console: Console, path: Path, out: Path, lessons: Sequence[str]
                 f"{path} contains no submissions. Give a folder of STUDENT/01_hsl_filtering.ipynb"
             )
         _refuse_what_is_not_built(course, sorted({each.lesson for each in waiting}))
-        with Journal(out) as journal:
+        with Journal(out, policy=course.late_policy) as journal:
             journal.began(path)
             waiting = add_earlier(waiting, course, journal, scratch)
             if found.wrapper:
@@ -240,7 +240,7 @@ def regrade_student(
     typer.Exit
         With status 1 where the submission could not be graded.
     """
-    with Journal(grades, make=False) as journal:
+    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         result = _result_of(journal, student, lesson)
         if points:
             change = override(result, points, reason)
@@ -357,7 +357,7 @@ def export(
     if exports.check_format(format_) == "gradescope":
         yield from _gradescope(grades, lesson)
         return
-    with Journal(grades, make=False) as journal:
+    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if format_ in platforms.PLATFORMS:
             yield from _platform(journal, grades, format_, lesson, sheet, column, scale)
             return
@@ -402,7 +402,9 @@ def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
     course, secret = load_course(), load_secret()
     wanted = course.names([lesson]) if lesson else []
     folder = grades / exports.FOLDER / "gradescope"
-    with Journal(grades) as journal:  # an autograder can be made before anything was graded
+    with Journal(
+        grades, policy=course.late_policy
+    ) as journal:  # an autograder can be made before anything was graded
         graded = sorted({each.lesson for each in journal.each_result()})
         names = wanted or course.names(graded)
         _refuse_what_is_not_built(course, names)
@@ -445,7 +447,7 @@ def marks(
     ValueError
         If there is no journal, or something in the file is wrong: then nothing is read in.
     """
-    with Journal(grades, make=False) as journal:
+    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if file is None:
             yield from _sheets(journal, grades, anonymous, read_worlds(worlds) if worlds else {})
             return
@@ -476,17 +478,3 @@ def _sheets(journal: Journal, grades: Path, anonymous: bool, worlds: Mapping[str
         yield "Fill in points and comment, save as CSV, and say nao-course marks GRADES FILE."
     else:
         yield "No written question has been handed in: there is nothing to mark."
-
-
-def report(grades: Path) -> Iterator[str]:
-    """Write GRADES/report.html; yield what to say about it.
-
-    Raises
-    ------
-    ValueError
-        If there is no journal.
-    """
-    from nao_course.instructor.reports.class_report import write_report
-
-    with Journal(grades, make=False) as journal:
-        yield f"wrote {write_report(journal, grades / 'report.html')}"

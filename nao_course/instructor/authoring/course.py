@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from nao_course.exercises import lesson_names
 from nao_course.exercises.exercise import LessonPlan
+from nao_course.instructor.authoring.course_file import NAME, CourseFileError, read_course_file
 from nao_course.instructor.authoring.plans import load_plan
+from nao_course.instructor.gradebook.late import LatePolicy
 
 CHECKS = Path("nao_course", "exercises", "checks")  # in the course's folder: the data of each lesson's checks
 
@@ -33,6 +34,8 @@ class Course:
         Numbers of the lessons that are released; all where there are none.
     points : mapping of str to float
         Points by the exercise's name, if they differ from the declaration's points.
+    late_policy : LatePolicy
+        Deadlines, extensions, and what late submissions lose. It is no part of what a submission is graded with.
     """
 
     root: Path
@@ -40,6 +43,7 @@ class Course:
     version: str
     chosen: tuple[str, ...] = ()
     points: Mapping[str, float] = field(default_factory=dict)
+    late_policy: LatePolicy = field(default_factory=LatePolicy)
 
     @property
     def solutions(self) -> Path:
@@ -117,25 +121,14 @@ def load_course(folder: Path | None = None) -> Course:
     """
     start = (folder or Path.cwd()).resolve()
     for root in (start, *start.parents):
-        if (root / "course.toml").is_file():
+        if (root / NAME).is_file():
             break
     else:
         raise LessonError(
             "no course.toml in this folder or above: this command is for a checkout of the course"
         )
     try:
-        table = tomllib.loads((root / "course.toml").read_text(encoding="utf-8"))
-        course = Course(
-            root,
-            table.pop("title"),
-            table.pop("version"),
-            tuple(table.pop("lessons", ())),
-            dict(table.pop("points", {})),
-        )
-    except (tomllib.TOMLDecodeError, KeyError, TypeError) as error:
-        raise LessonError(f"course.toml: {type(error).__name__}: {error}") from None
-    if table:
-        raise LessonError(
-            f"course.toml: {sorted(table)} is not understood; there are title, version, lessons, points"
-        )
-    return course
+        file = read_course_file(root)
+    except CourseFileError as error:
+        raise LessonError(str(error)) from None
+    return Course(root, file.title, file.version, file.lessons, file.points, file.late_policy)

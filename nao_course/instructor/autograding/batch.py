@@ -193,7 +193,7 @@ def mean_score(journal: Journal, lesson: str) -> tuple[int, float, float]:
     """Return how many graded results of a lesson there are, their mean points so far and what it is worth."""
     count, earned, points = 0, 0.0, 0.0
     graded = (each for each in journal.each_result(lesson) if each.status == "graded")
-    for score in each_score(graded, journal.overrides(lesson), journal.marks(lesson)):
+    for score in each_score(graded, journal.overrides(lesson), journal.marks(lesson), journal.policy):
         count, earned, points = count + 1, earned + score.earned, score.points
     return count, earned / max(count, 1), points
 
@@ -211,6 +211,6 @@ def feedback_writer(journal: Journal, folder: Path) -> Callable[[SubmissionResul
 
     def write(result: SubmissionResult) -> Path:
         key = (result.student, result.lesson)
-        return feedback.write(result, folder, overrides.get(key, ()), marks.get(key, ()))
+        return feedback.write(result, folder, overrides.get(key, ()), marks.get(key, ()), journal.policy)
 
     return write

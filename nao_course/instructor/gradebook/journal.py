@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 
+from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult, as_json, from_json, now
 
 NAME = "journal.sqlite"
@@ -52,6 +53,8 @@ class Journal:
         The SQLite file, or the folder of it; made where there is none.
     make : bool
         Whether it may be made.
+    policy : LatePolicy, optional
+        What late submissions lose in the scores that are made of it; nothing by default.
 
     Raises
     ------
@@ -66,7 +69,8 @@ class Journal:
             journal.keep(result)
     """
 
-    def __init__(self, path: Path, *, make: bool = True) -> None:
+    def __init__(self, path: Path, *, make: bool = True, policy: LatePolicy | None = None) -> None:
+        self.policy = policy
         self.path = path if path.suffix == ".sqlite" else path / NAME
         if not make and not self.path.is_file():
             raise JournalError(f"there is no journal {self.path}: `nao-course grade ... --out` makes it")

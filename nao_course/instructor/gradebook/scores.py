@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from nao_course.instructor.gradebook.late import Lateness, LatePolicy
 from nao_course.instructor.gradebook.records import (
     ExerciseResult,
     Mark,
@@ -27,11 +28,14 @@ class Score:
         Points that a person set, by exercise; the latest.
     marks : mapping of str to Mark
         Of written answers, by question; the latest.
+    lateness : Lateness, optional
+        When it was due, and what it loses; None without a deadline.
     """
 
     result: SubmissionResult
     overrides: Mapping[str, Override] = field(default_factory=dict)
     marks: Mapping[str, Mark] = field(default_factory=dict)
+    lateness: Lateness | None = None
 
     def of(self, exercise: ExerciseResult) -> float:
         """Return the points of an exercise; points from a person replace the grader's."""
@@ -47,7 +51,21 @@ class Score:
 
     @property
     def earned(self) -> float:
-        """Points so far: exercises and marked answers."""
+        """Points so far: exercises and marked answers, less what is deducted because it was late."""
+        return self._before_deduction - self.deducted
+
+    @property
+    def deducted(self) -> float:
+        """Points that are deducted because it was late."""
+        return self._before_deduction * (self.lateness.share if self.lateness else 0.0)
+
+    @property
+    def is_late(self) -> bool:
+        """Whether it was handed in late: by the deadline in course.toml, or else by the platform."""
+        return self.lateness.late if self.lateness else self.result.late
+
+    @property
+    def _before_deduction(self) -> float:
         return sum(map(self.of, self.result.exercises)) + sum(
             self.of_answer(each) or 0.0 for each in self.result.written
         )
@@ -63,7 +81,12 @@ class Score:
         return tuple(each for each in self.result.written if self.of_answer(each) is None)
 
 
-def score(result: SubmissionResult, overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()) -> Score:
+def score(
+    result: SubmissionResult,
+    overrides: Iterable[Override] = (),
+    marks: Iterable[Mark] = (),
+    policy: LatePolicy | None = None,
+) -> Score:
     """Put together what belongs to a result.
 
     Parameters
@@ -72,19 +95,27 @@ def score(result: SubmissionResult, overrides: Iterable[Override] = (), marks: I
         Of one student and lesson.
     overrides, marks : iterable of Override, Mark
         Of anyone; what is another's does not count.
+    policy : LatePolicy, optional
+        What late submissions lose; nothing by default.
     """
-    return scores([result], overrides, marks)[0]
+    return scores([result], overrides, marks, policy)[0]
 
 
 def scores(
-    results: Iterable[SubmissionResult], overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
+    results: Iterable[SubmissionResult],
+    overrides: Iterable[Override] = (),
+    marks: Iterable[Mark] = (),
+    policy: LatePolicy | None = None,
 ) -> list[Score]:
     """Put together what belongs to each of many results, in their order."""
-    return list(each_score(results, overrides, marks))
+    return list(each_score(results, overrides, marks, policy))
 
 
 def each_score(
-    results: Iterable[SubmissionResult], overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
+    results: Iterable[SubmissionResult],
+    overrides: Iterable[Override] = (),
+    marks: Iterable[Mark] = (),
+    policy: LatePolicy | None = None,
 ) -> Iterator[Score]:
     """Yield the same one by one, because all results may not fit into memory."""
     changed: dict[tuple[str, str], dict[str, Override]] = defaultdict(dict)
@@ -95,4 +126,6 @@ def each_score(
         marked[mark.student, mark.lesson][mark.question] = mark
     for each in results:
         key = (each.student, each.lesson)
-        yield Score(each, changed.get(key, {}), marked.get(key, {}))
+        yield Score(
+            each, changed.get(key, {}), marked.get(key, {}), policy.lateness(each) if policy else None
+        )

@@ -16,7 +16,7 @@ import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import ExerciseResult, State, SubmissionResult
+from nao_course.instructor.gradebook.records import ExerciseResult, State
 from nao_course.instructor.gradebook.scores import Score
 from nao_course.instructor.reports.exports import all_scores
 from nao_course.instructor.reports.html import (
@@ -147,7 +147,7 @@ def _lesson(lesson: str, made: Sequence[Score]) -> Iterator[Markup]:
         yield from _hardest(exercises)
         yield _exercises_table(exercises)
         yield from _mistakes_table(mistakes_of(graded))
-    yield from _handed_in([each.result for each in made if each.result.handed_in or each.result.late])
+    yield from _handed_in([each for each in made if each.result.handed_in or each.is_late])
     if refused:
         rows = [(each.result.student, each.result.reason or "no reason was recorded") for each in refused]
         yield from _named(f"Refused: {len(refused)}", rows)
@@ -176,24 +176,33 @@ def _summary(made: Sequence[Score], graded: Sequence[Score]) -> Markup:
     return element("table", element("tbody", *cells))
 
 
-def _handed_in(known: Sequence[SubmissionResult]) -> Iterator[Markup]:
+def _handed_in(known: Sequence[Score]) -> Iterator[Markup]:
     """Return a table of the submissions that have a time or are late, the late ones first."""
     if not known:
         return
-    head = element("tr", *(element("th", name, scope="col") for name in ("student", "handed in", "late")))
+    head = element(
+        "tr", *(element("th", name, scope="col") for name in ("student", "handed in", "late", "deducted"))
+    )
     rows = [
         element(
             "tr",
-            element("th", element("bdi", each.student), scope="row"),
-            element("td", each.handed_in),
-            element("td", "yes" if each.late else ""),
+            element("th", element("bdi", each.result.student), scope="row"),
+            element("td", each.result.handed_in),
+            element("td", "yes" if each.is_late else ""),
+            element("td", _deducted(each)),
         )
-        for each in sorted(known, key=lambda each: not each.late)[:MOST_LISTED]
+        for each in sorted(known, key=lambda each: not each.is_late)[:MOST_LISTED]
     ]
-    yield element("h3", f"Handed in, {sum(each.late for each in known)} late")
+    yield element("h3", f"Handed in, {sum(each.is_late for each in known)} late")
     yield card(element("table", element("thead", head), element("tbody", *rows)))
     if len(known) > MOST_LISTED:
         yield element("p", f"and {len(known) - MOST_LISTED} more", class_="soft")
+
+
+def _deducted(score: Score) -> str:
+    if score.lateness and score.lateness.is_unmeasured:
+        return "nothing: only the platform says that it is late"
+    return number(score.deducted) if score.deducted else ""
 
 
 def exercises_of(graded: Sequence[Score]) -> list[ExerciseSummary]:

@@ -20,7 +20,7 @@ from nao_course.instructor.reports.spreadsheets import table
 FORMATS = ("csv", "gradescope", *PLATFORMS)
 FOLDER = "exports"  # in GRADES
 _MISSING = "not handed in"
-_ABOUT = ("points", "out of", "status", "handed in", "late", "notes")  # columns of each lesson
+_ABOUT = ("points", "out of", "status", "handed in", "late", "deducted", "notes")  # columns of each lesson
 
 
 class ExportError(ValueError):
@@ -43,7 +43,7 @@ def check_format(name: str) -> str:
 
 def all_scores(journal: Journal, lesson: str | None = None) -> list[Score]:
     """Return all scores of a journal or of a lesson, ordered by student and lesson."""
-    return scores(journal.results(lesson), journal.overrides(lesson), journal.marks(lesson))
+    return scores(journal.results(lesson), journal.overrides(lesson), journal.marks(lesson), journal.policy)
 
 
 # --- a table ---
@@ -95,7 +95,7 @@ def _columns(made: Iterable[Score]) -> list[tuple[str, str]]:
 
 def _cells(score: Score | None, columns: Sequence[tuple[str, str]]) -> list[str | float | None]:
     if score is None:
-        return [*(None for _ in columns), None, None, _MISSING, "", "", ""]
+        return [*(None for _ in columns), None, None, _MISSING, "", "", None, ""]
     given: dict[tuple[str, str], float | None] = {
         (each.number, each.name): score.of(each) for each in score.result.exercises
     }
@@ -106,13 +106,16 @@ def _cells(score: Score | None, columns: Sequence[tuple[str, str]]) -> list[str 
         score.points,
         score.result.status,
         score.result.handed_in,
-        "yes" if score.result.late else "",
+        "yes" if score.is_late else "",
+        score.deducted or None,
         "; ".join(_notes(score)),
     ]
 
 
 def _notes(score: Score) -> list[str]:
     notes = [score.result.reason] if score.result.reason else []
+    if score.lateness and score.lateness.is_unmeasured:
+        notes.append("late by the platform, but not by how much: nothing was deducted")
     if score.waiting:
         notes.append(f"{say_count(len(score.waiting), 'written answer')} not marked yet")
     notes += [f"{name} set to {number(each.points)}: {each.reason}" for name, each in score.overrides.items()]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Literal
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.gradebook.late import Lateness, LatePolicy
 from nao_course.instructor.gradebook.records import (
     ExerciseResult,
     Mark,
@@ -100,7 +102,11 @@ class Said:
 
 
 def write(
-    result: SubmissionResult, folder: Path, overrides: Iterable[Override] = (), marks: Iterable[Mark] = ()
+    result: SubmissionResult,
+    folder: Path,
+    overrides: Iterable[Override] = (),
+    marks: Iterable[Mark] = (),
+    policy: LatePolicy | None = None,
 ) -> Path:
     """Write a student's page.
 
@@ -112,6 +118,8 @@ def write(
         GRADES/feedback; the page is STUDENT/NN_name.html in it.
     overrides, marks : iterable of Override, Mark
         What people said; only what belongs to this student and lesson counts.
+    policy : LatePolicy, optional
+        What late submissions lose.
 
     Returns
     -------
@@ -119,7 +127,7 @@ def write(
         The page.
     """
     path = folder / safe_name(result.student) / f"{safe_name(result.lesson)}.html"
-    return write_whole(path, feedback_page(score(result, overrides, marks)))
+    return write_whole(path, feedback_page(score(result, overrides, marks, policy)))
 
 
 def feedback_page(score: Score) -> str:
@@ -149,6 +157,8 @@ def _score(score: Score) -> Iterator[Markup]:
     of = f" of {_points(score.points)}{' so far' if waiting else ''}"
     yield element("p", number(score.earned), element("span", of), class_="score")
     yield bar(score.earned, waiting, score.points)
+    if score.lateness:
+        yield from _deadline(score.lateness, score.deducted)
     exercises = score.result.exercises
     if score.result.status == "graded" and exercises:
         right = sum(_whole(score, each) for each in exercises)
@@ -160,6 +170,31 @@ def _score(score: Score) -> Iterator[Markup]:
         answers = "A written answer" if len(score.waiting) == 1 else f"{len(score.waiting)} written answers"
         verb = "waits" if len(score.waiting) == 1 else "wait"
         yield element("p", f"{answers} ({_points(waiting)}) {verb} for a person's mark.")
+
+
+def _deadline(lateness: Lateness, deducted: float) -> Iterator[Markup]:
+    """Return a box about an extension or a late submission."""
+    lines = []
+    if lateness.extended:
+        lines.append(f"Your deadline was extended to {_time(lateness.due)}.")
+    if lateness.is_unmeasured:
+        lines.append(
+            f"The deadline was {_time(lateness.due)}. The platform marks your submission as late, but does not say by "
+            "how much, so nothing was deducted."
+        )
+    elif lateness.late and lateness.handed_in:
+        start = "" if lateness.extended else f"The deadline was {_time(lateness.due)}. "
+        days = say_count(lateness.days, "day")
+        lines.append(
+            f"{start}Your receipt is from {_time(lateness.handed_in)}, and every day begun after the deadline counts: "
+            f"{days}. This costs {100 * lateness.share:.0f} % of your points: {_points(deducted)}."
+        )
+    if lines:
+        yield _box("warn" if lateness.late else "calm", "Deadline", "\n".join(lines))
+
+
+def _time(time: datetime) -> str:
+    return time.isoformat(" ", "minutes")
 
 
 def _whole(score: Score, exercise: ExerciseResult) -> bool:

@@ -60,7 +60,7 @@ def test_times_and_lateness_stand_in_a_table_with_the_late_ones_first():
         result("eve", exercise()),
     ]
     text = " ".join(Page(report_page(scores(made))).text.split())
-    assert "Handed in, 1 late student handed in late ben yes ada 2026-11-20 22:10+00:00" in text
+    assert "Handed in, 1 late student handed in late deducted ben yes ada 2026-11-20 22:10+00:00" in text
     assert "Handed in" not in Page(report_page(scores(made[2:]))).text
 
 

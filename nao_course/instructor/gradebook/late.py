@@ -1,0 +1,98 @@
+"""Deadlines, extensions, and what a late submission costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+
+from nao_course.instructor.gradebook.records import SubmissionResult
+
+Deadlines = Mapping[str, datetime]  # by lesson
+
+
+@dataclass(frozen=True)
+class Lateness:
+    """When a submission was due, and what it loses.
+
+    Parameters
+    ----------
+    due : datetime
+        Deadline of this student.
+    extended : bool
+        Whether it is later than the deadline of the class.
+    handed_in : datetime, optional
+        When it was handed in; None if unknown.
+    late : bool
+        Whether that is after the deadline and the grace period, or the platform says so and there is no extension.
+    days : int
+        Number of days begun since the deadline; 0 if it is not late, or if only the platform says that it is.
+    share : float
+        Share of the earned points that is deducted, 0 to 1.
+    """
+
+    due: datetime
+    extended: bool
+    handed_in: datetime | None
+    late: bool
+    days: int
+    share: float
+
+    @property
+    def is_unmeasured(self) -> bool:
+        """Whether only the platform says that it is late, which does not say by how much: nothing is deducted."""
+        return self.late and not self.days
+
+
+@dataclass(frozen=True)
+class LatePolicy:
+    """When lessons are due, and what late submissions lose.
+
+    Parameters
+    ----------
+    deadlines : mapping of str to datetime
+        By lesson. A lesson without a deadline is never late.
+    extensions : mapping of str to mapping of str to datetime
+        Deadlines of single students, by student and lesson.
+    per_day : float
+        Share of the earned points that is deducted for each day begun after the deadline, 0 to 1.
+    grace_hours : float
+        Hours after the deadline in which nothing is deducted.
+    most : float
+        Largest share that is deducted, 0 to 1.
+    """
+
+    deadlines: Deadlines = field(default_factory=dict)
+    extensions: Mapping[str, Deadlines] = field(default_factory=dict)
+    per_day: float = 0.0
+    grace_hours: float = 0.0
+    most: float = 1.0
+
+    def lateness(self, result: SubmissionResult) -> Lateness | None:
+        """Return when a submission was due and what it loses; None if it has no deadline.
+
+        Examples
+        --------
+        >>> policy = LatePolicy({"01_toy": datetime.fromisoformat("2026-11-20 23:59+01:00")}, per_day=0.1)
+        >>> result = SubmissionResult("ada", "01_toy", "graded", handed_in="2026-11-22 08:00+00:00")
+        >>> found = policy.lateness(result)
+        >>> found.days, found.share
+        (2, 0.2)
+        """
+        given = self.extensions.get(result.student, {}).get(result.lesson)
+        general = self.deadlines.get(result.lesson)
+        due = given or general
+        if due is None:
+            return None
+        extended = given is not None and (general is None or given > general)
+        handed_in = None
+        with suppress(ValueError):
+            handed_in = datetime.fromisoformat(result.handed_in).astimezone(due.tzinfo)
+        if handed_in is None or handed_in <= due:  # the platform knows better than a student's clock
+            return Lateness(due, extended, handed_in, result.late and not extended, 0, 0.0)
+        if handed_in <= due + timedelta(hours=self.grace_hours):
+            return Lateness(due, extended, handed_in, False, 0, 0.0)
+        days = math.ceil((handed_in - due) / timedelta(days=1))
+        return Lateness(due, extended, handed_in, True, days, min(days * self.per_day, self.most))

@@ -1,0 +1,85 @@
+"""What a late submission loses: nothing in time, more each day, never more than there is."""
+
+from datetime import UTC, datetime, timedelta
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nao_course.instructor.gradebook.late import LatePolicy
+from nao_course.instructor.gradebook.records import Mark, Override
+from nao_course.instructor.gradebook.scores import score
+from tests.pages import answer, exercise, result
+
+LESSON = "01_hsl_filtering"
+DUE = datetime(2026, 11, 20, 22, 59, tzinfo=UTC)
+
+
+def handed_in(after, **changed):
+    """A submission some hours after the deadline; of an unknown time for None."""
+    time = "" if after is None else (DUE + timedelta(hours=after)).isoformat(" ", "minutes")
+    return result("ada", exercise(points=4.0, earned=4.0), answer(), handed_in=time, **changed)
+
+
+def policy(**changed):
+    return LatePolicy({LESSON: DUE}, **{"per_day": 0.1, "grace_hours": 2, "most": 0.5, **changed})
+
+
+@pytest.mark.parametrize(
+    ("after", "days", "share"),
+    [
+        (-1, 0, 0),
+        (0, 0, 0),
+        (2, 0, 0),
+        (2.1, 1, 0.1),
+        (24, 1, 0.1),
+        (24.1, 2, 0.2),
+        (1000, 42, 0.5),
+        (None, 0, 0),
+    ],
+)
+def test_each_day_begun_after_the_grace_period_costs_its_share(after, days, share):
+    found = policy().lateness(handed_in(after))
+    assert (found.days, found.late) == (days, days > 0) and found.share == pytest.approx(share)
+
+
+def test_nothing_is_late_without_a_deadline():
+    assert LatePolicy(per_day=1).lateness(handed_in(1000)) is None
+    assert score(handed_in(1000)).earned == 4
+
+
+def test_the_offset_of_a_deadline_counts():
+    same = datetime.fromisoformat("2026-11-20 23:59+01:00")
+    assert LatePolicy({LESSON: same}, per_day=0.1).lateness(handed_in(0)).days == 0
+    earlier = datetime.fromisoformat("2026-11-20 22:59+01:00")
+    assert LatePolicy({LESSON: earlier}, per_day=0.1).lateness(handed_in(0)).days == 1
+
+
+def test_an_extension_counts_for_its_student_and_lesson_only():
+    later = {LESSON: DUE + timedelta(days=7)}
+    assert policy(extensions={"ada": later}).lateness(handed_in(100)).share == 0
+    assert policy(extensions={"ada": later}).lateness(handed_in(24 * 7 + 3)).days == 1
+    assert policy(extensions={"ben": later}).lateness(handed_in(100)).days == 5
+    assert policy(extensions={"ada": {"02_goalposts": later[LESSON]}}).lateness(handed_in(100)).days == 5
+
+
+@pytest.mark.parametrize("after", [None, -5])
+def test_what_only_the_platform_calls_late_loses_nothing_and_is_told(after):
+    found = policy().lateness(handed_in(after, late=True))
+    assert found.is_unmeasured and found.share == 0
+    extended = policy(extensions={"ada": {LESSON: DUE + timedelta(days=1)}})
+    assert not extended.lateness(handed_in(after, late=True)).late
+
+
+def test_the_deduction_is_a_share_of_what_was_earned_with_marks_and_changes():
+    override, mark = Override("ada", LESSON, "rgb_to_hsl", 2.0, "why"), Mark("ada", LESSON, "why_hsl", 1.0)
+    made = score(handed_in(30), [override], [mark], policy())
+    assert made.deducted == pytest.approx(0.6) and made.earned == pytest.approx(2.4)
+    assert made.points == score(handed_in(0)).points
+
+
+@given(st.floats(-100, 10_000), st.floats(0, 1000), st.floats(0, 1), st.floats(0, 100), st.floats(0, 1))
+def test_later_never_earns_more_and_never_less_than_what_is_left(after, more, per_day, grace, most):
+    rules = policy(per_day=per_day, grace_hours=grace, most=most)
+    first, second = (score(handed_in(each), (), (), rules).earned for each in (after, after + more))
+    assert 4 * (1 - most) - 1e-9 <= second <= first <= 4

@@ -1,0 +1,83 @@
+"""Commands about a whole class: what they write follows course.toml as it is now."""
+
+import csv
+
+import pytest
+
+from nao_course.instructor import class_commands, commands
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.gradebook.journal import Journal
+from tests.pages import Page, exercise, result
+from tests.toy import chain
+
+LESSON = chain.LESSON
+
+
+@pytest.fixture
+def course(tmp_path, monkeypatch):
+    """Make a course in the working folder, whose lesson was due."""
+    made = chain.make_course(tmp_path / "course")
+    (made.root / "solutions" / f"{LESSON}.md").touch()
+    with (made.root / "course.toml").open("a") as file:
+        file.write(f"[deadlines]\n{LESSON} = 2026-11-20T23:59:00+01:00\n[late]\nper_day = 0.25\n")
+    monkeypatch.chdir(made.root)
+    return made
+
+
+@pytest.fixture
+def grades(course, tmp_path):
+    """Return a folder of grades: Ada was a day late, Ben was in time, and Canvas calls Eve late."""
+    folder = tmp_path / "grades"
+    with Journal(folder) as journal:
+        for student, changed in {
+            "ada": {"handed_in": "2026-11-21 12:00+00:00"},
+            "ben": {"handed_in": "2026-11-20 12:00+00:00"},
+            "eve": {"late": True},
+        }.items():
+            journal.keep(result(student, exercise(points=4.0, earned=4.0), lesson=LESSON, **changed))
+    return folder
+
+
+def page_of(grades, student):
+    path = grades / "feedback" / safe_name(student) / f"{LESSON}.html"
+    return Page(path.read_text("utf-8")).text
+
+
+def table_of(grades):
+    list(commands.export(grades, "csv"))
+    with (grades / "exports" / "grades.csv").open(encoding="utf-8-sig") as file:
+        return {row["student"]: row for row in csv.DictReader(file)}
+
+
+def test_pages_report_and_export_tell_what_a_late_submission_costs(grades):
+    list(class_commands.report(grades))
+    ada = page_of(grades, "ada")
+    assert "3 of 4 points" in ada and "The deadline was 2026-11-20 23:59+01:00." in ada
+    assert "receipt is from 2026-11-21 13:00+01:00" in ada and "25 % of your points: 1 point." in ada
+    assert "Deadline" not in page_of(grades, "ben")
+    assert "4 of 4 points" in page_of(grades, "eve") and "nothing was deducted" in page_of(grades, "eve")
+    text = Page((grades / "report.html").read_text("utf-8")).text
+    assert "ada 2026-11-21 12:00+00:00 yes 1" in text
+    assert "eve yes nothing: only the platform says that it is late" in text
+    rows = table_of(grades)
+    assert [rows["ada"][f"{LESSON} {name}"] for name in ("points", "late", "deducted")] == ["3", "yes", "1"]
+    assert "not by how much" in rows["eve"][f"{LESSON} notes"]
+
+
+def test_an_extension_stands_on_the_page_and_a_misspelt_name_is_reported(course, grades):
+    with (course.root / "course.toml").open("a") as file:
+        file.write(
+            f"[extensions]\nada.{LESSON} = 2026-11-25T12:00:00+01:00\nbenn.{LESSON} = 2026-11-25T12:00:00Z\n"
+        )
+    said = list(class_commands.report(grades))
+    assert "course.toml: extensions: 'benn' has no result; is it 'ben'?" in said
+    assert "Your deadline was extended to 2026-11-25 12:00+01:00." in page_of(grades, "ada")
+    assert "4 of 4 points" in page_of(grades, "ada") and table_of(grades)["ada"][f"{LESSON} deducted"] == ""
+
+
+def test_a_deadline_does_not_make_anything_be_graded_again(course):
+    from nao_course.instructor.autograding.assignment import prepare
+
+    before = prepare(course, LESSON, chain.SECRET).hash
+    assert prepare(load_course(course.root), LESSON, chain.SECRET).hash == before
