@@ -21,6 +21,7 @@ FIRST = (
     "tests/test_cli.py",
     "tests/attacks/test_accidents.py",
     "tests/instructor/autograding/test_batch.py",
+    "tests/instructor/autograding/cluster/test_dispatch.py",
     *APART,
     "tests/attacks/test_mutations.py",
     "tests/browser/test_lab.py",

@@ -3,6 +3,7 @@
 __all__: list[str] = [
     "assignment",
     "batch",
+    "cluster",
     "failures",
     "grader",
     "references",

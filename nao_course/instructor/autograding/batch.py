@@ -27,7 +27,7 @@ ResultOrError = SubmissionResult | GraderError
 
 
 class Workers(Protocol):
-    """What grades submissions in place of this process's threads, such as `cluster.Cluster`."""
+    """What grades submissions in place of this process's threads, such as `cluster.dispatch.Cluster`."""
 
     @property
     def most(self) -> int:

@@ -140,7 +140,7 @@ def open_session(
     """
     elsewhere = machines.scheduler or machines.workers
     if elsewhere:
-        from nao_course.instructor.autograding.cluster import open_cluster
+        from nao_course.instructor.autograding.cluster.dispatch import open_cluster
     assignments = prepare_in_background(course, lessons, secret)
     sandbox = probe()
     say(str(sandbox))

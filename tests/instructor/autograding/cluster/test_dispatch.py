@@ -19,12 +19,12 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli
-from nao_course.instructor.autograding import cluster as module
-from nao_course.instructor.autograding import cluster_worker
 from nao_course.instructor.autograding.assignment import package_digest, prepare
 from nao_course.instructor.autograding.batch import feedback_writer, grade_all, installed
-from nao_course.instructor.autograding.cluster import Cluster, ClusterError, open_cluster
-from nao_course.instructor.autograding.cluster_worker import Requirement, SubmissionParcel
+from nao_course.instructor.autograding.cluster import dispatch, worker
+from nao_course.instructor.autograding.cluster.dispatch import Cluster, ClusterError, open_cluster
+from nao_course.instructor.autograding.cluster.parcels import SubmissionParcel
+from nao_course.instructor.autograding.cluster.worker import Requirement
 from nao_course.instructor.collecting.files import LARGEST_READ, submission_hash
 from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons, with_earlier
 from nao_course.instructor.gradebook.journal import NAME, Journal
@@ -132,7 +132,7 @@ def test_a_worker_needs_the_same_course_and_libraries(changed, reason):
 
 def test_a_worker_needs_the_level_of_the_grader_or_the_level_that_is_required(monkeypatch):
     weak = Sandbox((Layer("landlock", False, "not today"),))
-    monkeypatch.setattr(cluster_worker, "probe", lambda: weak)
+    monkeypatch.setattr(worker, "probe", lambda: weak)
     reason = replace(HERE, level="landlock").unfulfilled()
     assert "not today" in reason and "--require-sandbox process" in reason
     assert replace(HERE, level="process").unfulfilled() == ""
@@ -203,7 +203,7 @@ def free_port() -> int:
 
 
 def test_a_scheduler_that_is_not_there_is_named(monkeypatch):
-    monkeypatch.setattr(module, "SECONDS_TO_CONNECT", 0.5)
+    monkeypatch.setattr(dispatch, "SECONDS_TO_CONNECT", 0.5)
     address = f"tcp://127.0.0.1:{free_port()}"
     with (
         pytest.raises(ClusterError, match=f"cannot reach a scheduler at {address}.*dask scheduler"),
@@ -223,18 +223,18 @@ def test_without_a_certificate_an_encrypted_scheduler_is_not_tried():
 
 
 def test_without_encryption_only_this_machine_is_silent(monkeypatch):
-    monkeypatch.setattr(module, "Client", lambda *_, **__: None)
+    monkeypatch.setattr(dispatch, "Client", lambda *_, **__: None)
     said = []
     for address in ("tcp://127.0.0.1:1", "tcp://localhost:1", "tcp://[::1]:1"):
-        module._connect(address, said.append)
+        dispatch._connect(address, said.append)
     assert said == []
     for address in ("tcp://10.0.0.1:1", "tcp://grader.example:1", "ws://10.0.0.1:1"):
-        module._connect(address, said.append)
+        dispatch._connect(address, said.append)
     assert len(said) == 3 and all("NOT ENCRYPTED" in line for line in said)
 
 
 def test_a_cluster_without_workers_says_how_to_start_one():
-    with module._local_cluster(0, 1) as local, module.Client(local, set_as_default=False) as client:
+    with dispatch._local_cluster(0, 1) as local, dispatch.Client(local, set_as_default=False) as client:
         cluster = Cluster(client, HERE)
         with pytest.raises(ClusterError, match=f"start one with `dask worker {local.scheduler_address}`"):
             cluster.wait_for_workers(0.0)
@@ -250,8 +250,8 @@ def test_workers_of_this_machine_listen_to_no_other_machine(two_workers):
 
 
 def test_without_dask_the_command_says_what_to_install(course, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "nao_course.instructor.autograding.cluster", None)
-    monkeypatch.delitem(sys.modules, "nao_course.instructor.autograding.cluster")
+    monkeypatch.setitem(sys.modules, "nao_course.instructor.autograding.cluster.dispatch", None)
+    monkeypatch.delitem(sys.modules, "nao_course.instructor.autograding.cluster.dispatch")
     monkeypatch.setitem(sys.modules, "distributed", None)
     secret = tmp_path / "secret"
     secret.write_bytes(chain.SECRET)
@@ -386,10 +386,10 @@ def test_after_kill_9_the_same_command_goes_on(course, warm_server, tmp_path, vi
         found, lambda _: assignment, tmp_path / "a", jobs=2, server=warm_server, level=probe().level
     )
     with Installation(tmp_path) as there:
-        scheduler, worker, _ = there.start_cluster()
+        scheduler, one, _ = there.start_cluster()
         grader = there.grade()
         there.wait_for_results(5)
-        there.kill({"scheduler": scheduler, "worker": worker, "grader": grader}[victim])
+        there.kill({"scheduler": scheduler, "worker": one, "grader": grader}[victim])
         assert rows(tmp_path / "b", "results") < 60
         ended = grader.wait(300)
         assert ended == {"scheduler": 1, "worker": 0, "grader": -signal.SIGKILL}[victim]

@@ -23,14 +23,8 @@ from distributed import Client, KilledWorker, LocalCluster, Security
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.autograding.assignment import Assignment
-from nao_course.instructor.autograding.cluster_worker import (
-    AssignmentParcel,
-    Requirement,
-    SubmissionParcel,
-    admit,
-    grade_parcel,
-    unpacked,
-)
+from nao_course.instructor.autograding.cluster.parcels import AssignmentParcel, SubmissionParcel, unpacked
+from nao_course.instructor.autograding.cluster.worker import Requirement, admit, grade_parcel
 from nao_course.instructor.autograding.grader import GraderError
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import SubmissionResult
