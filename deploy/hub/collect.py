@@ -26,6 +26,7 @@ NOTEBOOKS = "notebooks"  # in each home folder
 WANTED = re.compile(r"\d\d_\w+\.ipynb|[A-Za-z_]\w*\.py", re.ASCII)  # lessons, and what they may import
 LARGEST = 50 * 2**20  # bytes; `grade` refuses larger notebooks, too
 MOST_FILES = 100  # of a student
+WORLDS = "worlds.csv"  # for `nao-course marks --worlds`: a personal world follows from the account's name
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -38,6 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
     names = folder_names(chosen.sheet) if chosen.sheet else {}
     copied, problems = collect(chosen.homes, chosen.submissions, names)
     print(f"{sum(copied.values())} files of {len(copied)} students are in {chosen.submissions}")
+    write_worlds(chosen.submissions / WORLDS, {names[home]: home for home in copied if home in names})
     if chosen.sheet and (unknown := sorted(set(copied) - set(names))):
         print(
             f"in no row of {chosen.sheet}, or in several, so the folder has the account's name: {', '.join(unknown)}"
@@ -97,6 +99,13 @@ def collect(homes: Path, out: Path, names: dict[str, str]) -> tuple[dict[str, in
         except OSError as error:
             problems.append(f"{home}: {error}")
     return copied, problems
+
+
+def write_worlds(path: Path, accounts: dict[str, str]) -> None:
+    """Write the account of each student whose folder has another name."""
+    if accounts:
+        with path.open("w", encoding="utf-8", newline="") as file:
+            csv.writer(file).writerows([("student", "world"), *sorted(accounts.items())])
 
 
 @contextmanager

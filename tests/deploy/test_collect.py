@@ -75,11 +75,17 @@ def test_every_students_notebooks_are_copied_and_nobody_elses(hub):
 @pytest.mark.parametrize("sheet", [MOODLE, CANVAS], ids=["moodle", "canvas"])
 def test_with_the_platforms_sheet_a_folder_has_the_students_name_and_number(hub, sheet):
     status, found = hub(sheet)
+    worlds = found.pop("worlds.csv").splitlines()
     folders = {name.split("/")[0]: content for name, content in found.items()}
     assert status == 0
     assert {name.rpartition("_")[2]: content for name, content in folders.items()} == {"11": ADA, "22": BEN}
     assert all(len(name.split("/")) == 2 for name in found)
     assert next(name for name in folders if name.endswith("_11")) in ("Ada Lovelace_11", "Lovelace Ada_11")
+    accounts = {
+        f"{name},{hub_of.parent.name}"
+        for name, hub_of in zip(sorted(folders, key=lambda name: name[-2:]), (hub.ada, hub.ben), strict=True)
+    }
+    assert worlds[0] == "student,world" and set(worlds[1:]) == accounts
 
 
 def test_what_was_collected_is_graded_under_the_names_that_the_sheet_has(hub, tmp_path):
