@@ -390,7 +390,10 @@ def export(
 def marks(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
     file: Path | None = typer.Argument(
-        None, help="Sheet with marks to read; without it, empty sheets are written."
+        None, help="Sheet with marks or comments to read; without it, sheets are written."
+    ),
+    comments: bool = typer.Option(
+        False, "--comments", help="Write sheets and pages to comment on wrong answers, one kind at a time."
     ),
     anonymous: bool = typer.Option(False, "--anonymous", help="Write sheets with codes instead of names."),
     worlds: Path | None = typer.Option(
@@ -399,9 +402,16 @@ def marks(
 ) -> None:
     """Write sheets for marking the written answers, or read a completed sheet (instructors)."""
     with _plainly():
-        from nao_course.instructor import commands
+        from nao_course.instructor import class_commands, commands
+        from nao_course.instructor.reports.comment_sheets import is_comment_sheet
 
-        for line in commands.marks(grades, file, anonymous=anonymous, worlds=worlds):
+        if file and is_comment_sheet(file):
+            lines = class_commands.read_comments(grades, file)
+        elif comments and not file:
+            lines = class_commands.write_comment_sheets(grades, anonymous=anonymous)
+        else:
+            lines = commands.marks(grades, file, anonymous=anonymous, worlds=worlds)
+        for line in lines:
             _say(line)
 
 

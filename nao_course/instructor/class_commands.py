@@ -1,17 +1,24 @@
-"""What the commands about a whole class do and say: report."""
+"""What the commands about a whole class do and say: report, and comments on wrong answers."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
+from functools import cache, partial
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.batch import feedback_writer
-from nao_course.instructor.commands import FEEDBACK
+from nao_course.instructor.autograding.scratch import scratch_folder
+from nao_course.instructor.autograding.secret import load_secret, student_code
+from nao_course.instructor.collecting.archives import Refused
+from nao_course.instructor.commands import FEEDBACK, handed_in_before
 from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.reports import comment_sheets
 from nao_course.instructor.reports.class_report import write_report
+from nao_course.instructor.similarity.own_code import defining_cell, own_cells
 
 
 def report(grades: Path) -> Iterator[str]:
@@ -37,3 +44,57 @@ def unknown_extensions(journal: Journal) -> Iterator[str]:
         near = difflib.get_close_matches(name, students, 1)
         hint = f"; is it {near[0]!r}?" if near else ""
         yield f"course.toml: extensions: {name!r} has no result{hint}"
+
+
+def write_comment_sheets(grades: Path, *, anonymous: bool = False) -> Iterator[str]:
+    """Write a page and a table for each exercise with wrong answers; yield what to say about it.
+
+    Raises
+    ------
+    ValueError
+        If there is no journal, or a table has comments that were not read in.
+    """
+    course = load_course()
+    named = partial(student_code, load_secret()) if anonymous else str
+    with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
+        lessons = sorted({each.lesson for each in journal.each_result()})
+        submissions = handed_in_before(course, journal, scratch, lessons)
+
+        @cache
+        def cells(student: str, lesson: str) -> tuple[str, ...]:
+            try:
+                return own_cells(submissions[student, lesson])
+            except (KeyError, Refused, OSError):
+                return ()
+
+        def code_of(result: SubmissionResult, exercise: str) -> str:
+            return defining_cell(cells(result.student, result.lesson), exercise)
+
+        written = comment_sheets.write_comment_sheets(journal, grades / comment_sheets.FOLDER, code_of, named)
+    for path, kinds, answers in written:
+        yield f"wrote {path} and .html: {say_count(answers, 'wrong answer')} of {say_count(kinds, 'kind')}"
+    if written:
+        yield "Fill in comments, save as CSV, and say nao-course marks GRADES FILE."
+    else:
+        yield "There is no wrong answer to comment on."
+
+
+def read_comments(grades: Path, file: Path) -> Iterator[str]:
+    """Read a table of comments and renew the feedback; yield what to say about it.
+
+    Raises
+    ------
+    ValueError
+        If there is no journal, or something in the file is wrong: then nothing is read in.
+    """
+    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
+        changed = {
+            (each.lesson, each.exercise, each.kind) for each in comment_sheets.read_comments(journal, file)
+        }
+        write = feedback_writer(journal, grades / FEEDBACK)
+        pages = [
+            write(result)
+            for result in journal.each_result()
+            if any((result.lesson, each.name, each.kind) in changed for each in result.exercises)
+        ]
+        yield f"{say_count(len(changed), 'comment')} new or changed, on {say_count(len(pages), 'feedback page')}"

@@ -139,9 +139,17 @@ def add_earlier(
     """
     needed = {lesson: lessons_used(course, lesson) for lesson in {each.lesson for each in waiting}}
     wanted = sorted({lesson for lessons in needed.values() for lesson in lessons})
+    found = handed_in_before(course, journal, scratch, wanted) if wanted else {}
+    return with_earlier(waiting, found, needed.__getitem__)
+
+
+def handed_in_before(
+    course: Course, journal: Journal, scratch: Path, wanted: Sequence[str]
+) -> dict[tuple[str, str], Submission]:
+    """Return the newest submissions in the folders of all runs by student and lesson; missing folders have none."""
     found: dict[tuple[str, str], Submission] = {}
     known = journal.students()
-    for number, place in enumerate(journal.places() if wanted else ()):
+    for number, place in enumerate(journal.places()):
         folder = scratch / f"earlier-{number}"
         with suppress(ValueError, OSError):
             gathered = gather(place, folder, course.names(), wanted, known=known)
@@ -149,7 +157,7 @@ def add_earlier(
             for each in gathered.submissions:
                 if not (replaces and replaces(each)):
                     found.setdefault((each.student, each.lesson), each)
-    return with_earlier(waiting, found, needed.__getitem__)
+    return found
 
 
 def run(

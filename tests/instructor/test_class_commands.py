@@ -3,7 +3,9 @@
 import csv
 
 import pytest
+from typer.testing import CliRunner
 
+from nao_course import cli
 from nao_course.instructor import class_commands, commands
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.collecting.names import safe_name
@@ -21,6 +23,10 @@ def course(tmp_path, monkeypatch):
     (made.root / "solutions" / f"{LESSON}.md").touch()
     with (made.root / "course.toml").open("a") as file:
         file.write(f"[deadlines]\n{LESSON} = 2026-11-20T23:59:00+01:00\n[late]\nper_day = 0.25\n")
+    secret = tmp_path / "secret"
+    secret.write_bytes(chain.SECRET)
+    secret.chmod(0o600)
+    monkeypatch.setenv("NAO_COURSE_SECRET", str(secret))
     monkeypatch.chdir(made.root)
     return made
 
@@ -81,3 +87,33 @@ def test_a_deadline_does_not_make_anything_be_graded_again(course):
 
     before = prepare(course, LESSON, chain.SECRET).hash
     assert prepare(load_course(course.root), LESSON, chain.SECRET).hash == before
+
+
+def test_a_comment_is_written_once_and_stands_on_the_pages_of_its_kind(course, tmp_path):
+    folder, grades = tmp_path / "in", tmp_path / "grades"
+    chain.hand_in(folder, "ada", chain.notebook({"double": chain.MISTAKES["double"]}))
+    with Journal(grades) as journal:
+        journal.began(folder)
+        for student in ("ada", "ben"):
+            wrong = exercise("wrong", name="double", mistake="slip")
+            journal.keep(result(student, wrong, lesson=LESSON))
+    said = run("marks", grades, "--comments")
+    assert "1 kind" in said and "2 wrong answers" in said
+    path = grades / "comments" / f"{LESSON}_double.csv"
+    page = Page(path.with_suffix(".html").read_text("utf-8")).text
+    assert "return 3 * x" in page and "ben The code was not found" in page
+    path.write_text(path.read_text("utf-8-sig").rstrip() + "Not three times.\n", "utf-8")
+    assert "1 comment new or changed, on 2 feedback pages" in run("marks", grades, path)
+    assert all("Not three times." in page_of(grades, student) for student in ("ada", "ben"))
+    assert "ada" not in Page(anonymous(grades, path).read_text("utf-8")).text
+
+
+def anonymous(grades, path):
+    run("marks", grades, "--comments", "--anonymous")
+    return path.with_suffix(".html")
+
+
+def run(*words):
+    done = CliRunner().invoke(cli.app, [str(word) for word in words])
+    assert done.exit_code == 0, done.output
+    return done.output

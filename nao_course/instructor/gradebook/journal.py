@@ -15,7 +15,15 @@ from pathlib import Path
 from typing import Any, Self
 
 from nao_course.instructor.gradebook.late import LatePolicy
-from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult, as_json, from_json, now
+from nao_course.instructor.gradebook.records import (
+    Comment,
+    Mark,
+    Override,
+    SubmissionResult,
+    as_json,
+    from_json,
+    now,
+)
 
 NAME = "journal.sqlite"
 VERSION = 1
@@ -37,6 +45,10 @@ CREATE TABLE marks (
 CREATE TABLE runs (submissions TEXT NOT NULL, time TEXT NOT NULL);
 PRAGMA application_id = {_APPLICATION};
 PRAGMA user_version = {VERSION};
+"""
+_COMMENTS = """
+CREATE TABLE IF NOT EXISTS comments (
+    lesson TEXT NOT NULL, exercise TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL, time TEXT NOT NULL)
 """
 
 
@@ -243,6 +255,20 @@ class Journal:
         rows = self._all("SELECT * FROM marks ORDER BY rowid")
         last = {each[:3]: Mark(*each) for each in rows if lesson in (None, each[1])}
         return [last[key] for key in sorted(last)]
+
+    def comment(self, comments: Iterable[Comment]) -> None:
+        """Keep comments on kinds of wrong answers, all or none of them; the last one of a kind counts."""
+        rows = [(each.lesson, each.exercise, each.kind, each.text, each.time) for each in comments]
+        with self._writing():
+            self._database.execute(_COMMENTS)  # journals of earlier versions have no such table
+            self._database.executemany("INSERT INTO comments VALUES (?, ?, ?, ?, ?)", rows)
+
+    def comments(self) -> dict[tuple[str, str, str], str]:
+        """Return the last comment by lesson, exercise and kind, and leave out what was taken back."""
+        if not self._all("SELECT name FROM sqlite_master WHERE name = 'comments'"):
+            return {}
+        rows = self._all("SELECT lesson, exercise, kind, text FROM comments ORDER BY rowid")
+        return {kind: text for kind, text in {each[:3]: each[3] for each in rows}.items() if text}
 
     def began(self, submissions: Path) -> None:
         """Note where the submissions of a run are."""

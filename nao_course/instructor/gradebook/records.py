@@ -19,6 +19,7 @@ State = Literal[
     "not found",
 ]
 Status = Literal["graded", "refused"]
+_LONGEST_KIND = 200  # characters
 ATTEMPT = "the sandbox saw it try: "  # how a note about that begins
 
 
@@ -68,6 +69,15 @@ class ExerciseResult:
     mistake: str = ""
     with_reference: bool = False
     notes: tuple[str, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """The kind of a wrong answer, equal for answers that fail alike; empty if there is no wrong answer."""
+        if self.state in ("right", "not attempted", "not found") or self.earned >= self.points > 0:
+            return ""
+        said = f"mistake: {self.mistake}" if self.mistake else f"{self.state}: {self.text}"
+        plain = said.encode("utf-8", "replace").decode()  # no halves of characters, which a file cannot hold
+        return " ".join(plain.split())[:_LONGEST_KIND].rstrip(" :")
 
 
 @dataclass(frozen=True)
@@ -216,6 +226,27 @@ class Mark:
     question: str
     points: float
     comment: str = ""
+    time: str = field(default_factory=now)
+
+
+@dataclass(frozen=True)
+class Comment:
+    """A comment on all wrong answers of one kind.
+
+    Parameters
+    ----------
+    lesson, exercise, kind : str
+        The answers: `ExerciseResult.kind` of an exercise.
+    text : str
+        For the students; empty if an earlier comment was taken back.
+    time : str
+        When, in UTC.
+    """
+
+    lesson: str
+    exercise: str
+    kind: str
+    text: str
     time: str = field(default_factory=now)
 
 

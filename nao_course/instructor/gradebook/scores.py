@@ -15,6 +15,8 @@ from nao_course.instructor.gradebook.records import (
     WrittenAnswer,
 )
 
+Comments = Mapping[tuple[str, str, str], str]  # by lesson, exercise and kind of the wrong answer
+
 
 @dataclass(frozen=True)
 class Score:
@@ -30,12 +32,15 @@ class Score:
         Of written answers, by question; the latest.
     lateness : Lateness, optional
         When it was due, and what it loses; None without a deadline.
+    comments : mapping of str to str
+        Comments on wrong answers, by exercise.
     """
 
     result: SubmissionResult
     overrides: Mapping[str, Override] = field(default_factory=dict)
     marks: Mapping[str, Mark] = field(default_factory=dict)
     lateness: Lateness | None = None
+    comments: Mapping[str, str] = field(default_factory=dict)
 
     def of(self, exercise: ExerciseResult) -> float:
         """Return the points of an exercise; points from a person replace the grader's."""
@@ -86,6 +91,7 @@ def score(
     overrides: Iterable[Override] = (),
     marks: Iterable[Mark] = (),
     policy: LatePolicy | None = None,
+    comments: Comments | None = None,
 ) -> Score:
     """Put together what belongs to a result.
 
@@ -97,8 +103,10 @@ def score(
         Of anyone; what is another's does not count.
     policy : LatePolicy, optional
         What late submissions lose; nothing by default.
+    comments : mapping of (str, str, str) to str, optional
+        Comments by lesson, exercise and kind of the wrong answer.
     """
-    return scores([result], overrides, marks, policy)[0]
+    return scores([result], overrides, marks, policy, comments)[0]
 
 
 def scores(
@@ -106,9 +114,10 @@ def scores(
     overrides: Iterable[Override] = (),
     marks: Iterable[Mark] = (),
     policy: LatePolicy | None = None,
+    comments: Comments | None = None,
 ) -> list[Score]:
     """Put together what belongs to each of many results, in their order."""
-    return list(each_score(results, overrides, marks, policy))
+    return list(each_score(results, overrides, marks, policy, comments))
 
 
 def each_score(
@@ -116,6 +125,7 @@ def each_score(
     overrides: Iterable[Override] = (),
     marks: Iterable[Mark] = (),
     policy: LatePolicy | None = None,
+    comments: Comments | None = None,
 ) -> Iterator[Score]:
     """Yield the same one by one, because all results may not fit into memory."""
     changed: dict[tuple[str, str], dict[str, Override]] = defaultdict(dict)
@@ -126,6 +136,10 @@ def each_score(
         marked[mark.student, mark.lesson][mark.question] = mark
     for each in results:
         key = (each.student, each.lesson)
-        yield Score(
-            each, changed.get(key, {}), marked.get(key, {}), policy.lateness(each) if policy else None
-        )
+        said = {
+            exercise.name: text
+            for exercise in each.exercises
+            if comments and (text := comments.get((each.lesson, exercise.name, exercise.kind)))
+        }
+        lateness = policy.lateness(each) if policy else None
+        yield Score(each, changed.get(key, {}), marked.get(key, {}), lateness, said)

@@ -43,7 +43,13 @@ def check_format(name: str) -> str:
 
 def all_scores(journal: Journal, lesson: str | None = None) -> list[Score]:
     """Return all scores of a journal or of a lesson, ordered by student and lesson."""
-    return scores(journal.results(lesson), journal.overrides(lesson), journal.marks(lesson), journal.policy)
+    return scores(
+        journal.results(lesson),
+        journal.overrides(lesson),
+        journal.marks(lesson),
+        journal.policy,
+        journal.comments(),
+    )
 
 
 # --- a table ---

@@ -19,7 +19,7 @@ from nao_course.instructor.gradebook.records import (
     SubmissionResult,
     WrittenAnswer,
 )
-from nao_course.instructor.gradebook.scores import Score, score
+from nao_course.instructor.gradebook.scores import Comments, Score, score
 from nao_course.instructor.reports.html import (
     Markup,
     bar,
@@ -107,6 +107,7 @@ def write(
     overrides: Iterable[Override] = (),
     marks: Iterable[Mark] = (),
     policy: LatePolicy | None = None,
+    comments: Comments | None = None,
 ) -> Path:
     """Write a student's page.
 
@@ -120,6 +121,8 @@ def write(
         What people said; only what belongs to this student and lesson counts.
     policy : LatePolicy, optional
         What late submissions lose.
+    comments : mapping, optional
+        Comments by lesson, exercise and kind of the wrong answer.
 
     Returns
     -------
@@ -127,7 +130,7 @@ def write(
         The page.
     """
     path = folder / safe_name(result.student) / f"{safe_name(result.lesson)}.html"
-    return write_whole(path, feedback_page(score(result, overrides, marks, policy)))
+    return write_whole(path, feedback_page(score(result, overrides, marks, policy, comments)))
 
 
 def feedback_page(score: Score) -> str:
@@ -293,6 +296,8 @@ def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
     if exercise.hint:
         yield Said("box", exercise.hint, "Hint", "calm")
     yield from _remarks(exercise)
+    if comment := score.comments.get(exercise.name):
+        yield Said("box", comment, "A person's comment", "calm")
     if override := score.overrides.get(exercise.name):
         given = f"The grader gave {number(exercise.earned)}, a person {_points(override.points)}."
         yield Said("box", f"{given}\n{override.reason}", "A person looked at this", "calm")

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import Progress
 
 from nao_course._internal.counts import say_count
-from nao_course.exercises import definitions
 from nao_course.instructor.authoring.course import load_course
-from nao_course.instructor.autograding.scratch import laid_out, scratch_folder
-from nao_course.instructor.collecting import files
+from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.collecting.archives import Refused
-from nao_course.instructor.collecting.submissions import Submission, gather
+from nao_course.instructor.collecting.submissions import gather
 from nao_course.instructor.reports.html import write_whole
 from nao_course.instructor.similarity.comparing import LONGEST, Work, similar_pairs
 from nao_course.instructor.similarity.known_code import known_code
+from nao_course.instructor.similarity.own_code import own_cells
 from nao_course.instructor.similarity.page import similar_page
 
 PAGE = "similar.html"
-_OWN = ("solution", "student")  # roles of the cells that a student writes
 
 
 def find_similar(console: Console, path: Path, lessons: Sequence[str], out: Path) -> Iterator[str]:
@@ -78,27 +76,3 @@ def find_similar(console: Console, path: Path, lessons: Sequence[str], out: Path
         yield f"not compared: {line}"
     compared = {lesson: len(of_lesson) for lesson, of_lesson in works.items()}
     yield f"wrote {write_whole(out / PAGE, similar_page(pairs, compared, left_out))}"
-
-
-def own_cells(submission: Submission) -> tuple[str, ...]:
-    """Return the code that a student wrote: exercises, cells that were added, and helper files.
-
-    Raises
-    ------
-    Refused
-        If the notebook cannot be read.
-    """
-    try:
-        with laid_out(files.read(submission, _without_outputs), submission.lesson) as notebook:
-            cells = [source for role, source in definitions.read_cells(notebook) if role in _OWN]
-            helpers = [
-                notebook.with_name(name).read_text(encoding="utf-8", errors="replace")
-                for name, _ in submission.helpers
-            ]
-    except ValueError as error:
-        raise Refused(str(error)) from None
-    return (*cells, *helpers)
-
-
-def _without_outputs(name: str, size: int, parts: Iterable[bytes]) -> bytes:
-    return definitions.without_outputs(name, b"".join(parts))
