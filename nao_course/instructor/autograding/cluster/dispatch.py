@@ -56,7 +56,7 @@ class Cluster:
     client: Client
     requirement: Requirement
     say: Callable[[str], object] = lambda line: None
-    refused: dict[str, str] = field(default_factory=dict, init=False)
+    _refused: dict[str, str] = field(default_factory=dict, init=False, repr=False)
     _admitted: dict[str, int] = field(default_factory=dict, init=False, repr=False)
     _assignments: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
     _ended: threading.Event = field(default_factory=threading.Event, init=False, repr=False)
@@ -105,7 +105,7 @@ class Cluster:
         until, address = time.monotonic() + seconds, self.client.scheduler_info(n_workers=0)["address"]
         while not self._admitted:
             self.update_workers()
-            if self.refused and not self._admitted:
+            if self._refused and not self._admitted:
                 raise ClusterError("no worker may grade: every worker was refused, as said above")
             if time.monotonic() > until:
                 raise ClusterError(
@@ -123,27 +123,22 @@ class Cluster:
             address: worker["nthreads"]
             for address, worker in self.client.scheduler_info(n_workers=-1)["workers"].items()
         }
-        had_some = bool(self._admitted)
-        for known in (self._admitted, self.refused):
-            for address in set(known) - set(there):
-                del known[address]
-        new = sorted(set(there) - set(self._admitted) - set(self.refused))
+        admitted = {address: there[address] for address in self._admitted if address in there}
+        self._refused = {address: reason for address, reason in self._refused.items() if address in there}
+        new = sorted(there.keys() - admitted.keys() - self._refused.keys())
         answers = self.client.run(admit, self.requirement, workers=new, on_error="return") if new else {}
         for address, answer in answers.items():
             if answer == "":
-                self._admitted[address] = there[address]
+                admitted[address] = there[address]
             elif not isinstance(answer, OSError):  # it has left again
-                reason = (
-                    answer
-                    if isinstance(answer, str)
-                    else f"the grader's course cannot be loaded there ({type(answer).__name__}: {answer})"
-                )
-                self.refused[address] = reason
-                self.say(f"REFUSED the worker {address}: {reason}.")
-        if had_some and not self._admitted:
+                lacks_it = f"the grader's course cannot be loaded there ({type(answer).__name__}: {answer})"
+                self._refused[address] = answer if isinstance(answer, str) else lacks_it
+                self.say(f"REFUSED the worker {address}: {self._refused[address]}.")
+        if self._admitted and not admitted:
             self.say(
                 "No worker is left. Grading goes on when one joins; Ctrl-C ends it and keeps what is graded."
             )
+        self._admitted = admitted  # whole, because other threads read it
 
     @contextmanager
     def watching(self) -> Iterator[None]:

@@ -10,12 +10,14 @@ import socket
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError, Future
 from dataclasses import replace
 from pathlib import Path
 
 import dask
 import psutil
 import pytest
+from distributed import KilledWorker
 from typer.testing import CliRunner
 
 from nao_course import cli
@@ -25,10 +27,11 @@ from nao_course.instructor.autograding.cluster import dispatch, worker
 from nao_course.instructor.autograding.cluster.dispatch import Cluster, ClusterError, open_cluster
 from nao_course.instructor.autograding.cluster.parcels import SubmissionParcel
 from nao_course.instructor.autograding.cluster.worker import Requirement
+from nao_course.instructor.autograding.grader import GraderError
 from nao_course.instructor.collecting.files import LARGEST_READ, submission_hash
 from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons, with_earlier
 from nao_course.instructor.gradebook.journal import NAME, Journal
-from nao_course.instructor.sandbox.layers import Layer, Sandbox, probe
+from nao_course.instructor.sandbox.layers import Layer, Sandbox, SandboxError, probe
 from tests.handed_in import posix
 from tests.paths import PROJECT
 from tests.sandboxed import need
@@ -194,6 +197,22 @@ def test_students_code_cannot_reach_the_scheduler_or_a_worker(two_workers, cours
 
 
 # --- what is said ---
+
+
+@pytest.mark.parametrize(
+    ("error", "wanted", "words"),
+    [
+        (KilledWorker("key", None, 3), GraderError, "ada, 90_chain: every worker that it was sent to died"),
+        (CancelledError(), ClusterError, "the connection to the scheduler was lost"),
+        (SandboxError("no worker could be forked"), SandboxError, "forked"),
+    ],
+)
+def test_errors_of_dask_are_the_submissions_or_end_the_run(error, wanted, words):
+    done, answer = Future(), Future()
+    done.set_exception(error)
+    dispatch._pass_on(done, answer, Submission("ada", chain.LESSON, Path()))
+    with pytest.raises(wanted, match=words):
+        answer.result(0)
 
 
 def free_port() -> int:
