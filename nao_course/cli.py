@@ -360,13 +360,33 @@ def regrade(
     student: str = typer.Option(..., help="Student whose submission is graded again."),
     lesson: str = typer.Option("", help="Number of the lesson, if the student handed in several."),
     points: str = typer.Option("", "--set", metavar="EXERCISE=POINTS", help="New points of an exercise."),
-    reason: str = typer.Option("", help="Reason for the new points; required with --set."),
+    keep: str = typer.Option("", metavar="EXERCISE", help="Answer a request without a change of points."),
+    reason: str = typer.Option("", help="Reason, which the student reads; required with --set and --keep."),
 ) -> None:
     """Grade a student's submission again, or set points by hand with a reason (instructors)."""
     with _plainly():
-        from nao_course.instructor import commands
+        from nao_course.instructor import class_commands, commands
 
+        if keep:
+            for line in class_commands.keep_points(grades, student, keep, reason):
+                _say(line)
+            return
         commands.regrade_student(console, grades, student, lesson, points, reason)
+
+
+@app.command(hidden=_STUDENTS)
+def requests(
+    grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
+    submissions: Path | None = typer.Argument(
+        None, help="Folder or zip with students' requests; without it, open requests are listed."
+    ),
+) -> None:
+    """List the students' open requests to look at an exercise again (instructors)."""
+    with _plainly():
+        from nao_course.instructor import class_commands
+
+        for line in class_commands.requests(grades, submissions):
+            _say(line)
 
 
 @app.command(hidden=_STUDENTS)

@@ -20,10 +20,21 @@ from nao_course.exercises import lesson_names
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
 from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 
-__all__ = ["NOTEBOOKS", "RELEASE", "Receipt", "Renewal", "installed_versions", "renew", "submit", "zipped"]
+__all__ = [
+    "NOTEBOOKS",
+    "RELEASE",
+    "REQUEST",
+    "Receipt",
+    "Renewal",
+    "installed_versions",
+    "renew",
+    "submit",
+    "zipped",
+]
 
 RELEASE = Path("release")  # folder of an unpacked release, which is never edited
 NOTEBOOKS = Path("notebooks")  # the student's working folder, which no release contains
+REQUEST = "regrade_request.txt"  # in NOTEBOOKS: what a person should look at again
 _GIVEN = ".given"  # in NOTEBOOKS: each lesson as released, to find the student's changes
 _KEPT = "kept"  # in NOTEBOOKS: the student's notebooks before each renewal
 _VERSIONS = ("nao-course", "numpy", "opencv-python-headless", "scipy")
@@ -102,7 +113,11 @@ def submit(folder: Path, out: Path) -> Receipt:
     """
     if not folder.is_dir():
         raise ValueError(f"{folder} is not a folder: give submit the folder of your notebooks")
-    found = [*sorted(folder.glob(f"{lesson_names.PATTERN}.ipynb")), *sorted(folder.glob("*.py"))]
+    found = [
+        *sorted(folder.glob(f"{lesson_names.PATTERN}.ipynb")),
+        *sorted(folder.glob("*.py")),
+        folder / REQUEST,
+    ]
     files = {path.name: path.read_bytes() for path in found if path.is_file() and not path.is_symlink()}
     notebooks = {name: _parsed(name, content) for name, content in files.items() if name.endswith(".ipynb")}
     if not notebooks:

@@ -175,6 +175,7 @@ def test_a_submission_holds_notebooks_helpers_and_a_receipt_of_their_bytes(tmp_p
     work.mkdir()
     toy.write(work / NAME, *toy.SOLUTION)
     (work / "helper.py").write_text("x = 1\n")
+    (work / homework.REQUEST).write_text("hue_mask: why 0?\n")
     for other in ("notes.ipynb", "data.csv", "kept.txt"):
         (work / other).write_text("{}")
     (work / "link.py").symlink_to(work / "helper.py")
@@ -182,7 +183,7 @@ def test_a_submission_holds_notebooks_helpers_and_a_receipt_of_their_bytes(tmp_p
     with zipfile.ZipFile(receipt.path) as packed:
         files = {name: packed.read(name) for name in packed.namelist()}
     told = json.loads(files.pop("receipt.json"))
-    assert files == {name: (work / name).read_bytes() for name in (NAME, "helper.py")}
+    assert files == {name: (work / name).read_bytes() for name in (NAME, "helper.py", homework.REQUEST)}
     digests = {name: hashlib.sha256(content).hexdigest() for name, content in files.items()}
     assert receipt.files == told["files"] == digests
     assert told["code"] == receipt.code and told["time"] == receipt.time

@@ -1,4 +1,4 @@
-"""What the commands about a whole class do and say: report, and comments on wrong answers."""
+"""What the commands about a whole class do and say: report, comments, and requests to look again."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from nao_course.instructor.autograding.batch import feedback_writer
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.collecting.archives import Refused
+from nao_course.instructor.collecting.requests import request_files, requests_in
 from nao_course.instructor.commands import FEEDBACK, handed_in_before
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.gradebook.records import Request, SubmissionResult
 from nao_course.instructor.reports import comment_sheets
 from nao_course.instructor.reports.class_report import write_report
+from nao_course.instructor.reports.html import visible
 from nao_course.instructor.similarity.own_code import defining_cell, own_cells
 
 
@@ -98,3 +100,62 @@ def read_comments(grades: Path, file: Path) -> Iterator[str]:
             if any((result.lesson, each.name, each.kind) in changed for each in result.exercises)
         ]
         yield f"{say_count(len(changed), 'comment')} new or changed, on {say_count(len(pages), 'feedback page')}"
+
+
+def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
+    """Read students' requests, if a folder is given, and yield a line for each open one.
+
+    Raises
+    ------
+    ValueError
+        If there is no journal, or the path is neither a folder nor a zip.
+    """
+    course = load_course()
+    with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
+        if submissions is not None:
+            texts, problems = request_files(submissions, scratch, course.names(), journal.students())
+            found = []
+            for student, text in sorted(texts.items()):
+                results = list(journal.each_result(student=student))
+                lessons = {each.name: result.lesson for result in results for each in result.exercises}
+                asked, lost = requests_in(text, lessons)
+                found += [Request(student, lessons[name], name, said) for name, said in asked.items()]
+                problems += [f"{student}: no exercise of this student is named in {line!r}" for line in lost]
+            new = {(each.student, each.lesson) for each in journal.request(found)}
+            write = feedback_writer(journal, grades / FEEDBACK)
+            for student, lesson in sorted(new):
+                for result in journal.each_result(lesson, student):
+                    write(result)
+            yield from (f"not read: {each}" for each in problems)
+        waiting = [each for each in journal.requests() if not each.answer]
+    yield f"{say_count(len(waiting), 'open request')}{':' if waiting else ''}"
+    for each in waiting:
+        yield f"{each.student}, {each.lesson}, {each.exercise}: {visible(' '.join(each.text.split()))}"
+    if waiting:
+        yield (
+            "Answer with nao-course regrade GRADES --student NAME --reason TEXT, and --set EXERCISE=POINTS or "
+            "--keep EXERCISE."
+        )
+
+
+def keep_points(grades: Path, student: str, exercise: str, reason: str) -> Iterator[str]:
+    """Answer a request without a change of points; yield what to say about it.
+
+    Raises
+    ------
+    ValueError
+        If there is no such open request, or no reason.
+    """
+    if not reason.strip():
+        raise ValueError("say why with --reason: the journal keeps it, and the student reads it")
+    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
+        answered = [
+            result
+            for result in journal.each_result(student=student)
+            if journal.answer(student, result.lesson, exercise, reason.strip())
+        ]
+        if not answered:
+            raise ValueError(f"there is no open request of {student!r} about {exercise!r}")
+        for result in answered:
+            page = feedback_writer(journal, grades / FEEDBACK)(result)
+            yield f"{student}, {exercise}: the points stay. {page} gives the reason."

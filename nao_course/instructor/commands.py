@@ -253,6 +253,7 @@ def regrade_student(
         if points:
             change = override(result, points, reason)
             journal.override(change)
+            journal.answer(result.student, result.lesson, change.exercise, change.reason)
             page = feedback_writer(journal, grades / FEEDBACK)(result)
             console.print(
                 f"{escape(student)}, {result.lesson}: {change.exercise} counts {change.points:g} points from now on. "

@@ -6,6 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli
+from nao_course.homework import REQUEST
 from nao_course.instructor import class_commands, commands
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.collecting.names import safe_name
@@ -117,3 +118,41 @@ def run(*words):
     done = CliRunner().invoke(cli.app, [str(word) for word in words])
     assert done.exit_code == 0, done.output
     return done.output
+
+
+def ask(folder, student, text):
+    path = folder / student / REQUEST
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, "utf-8")
+
+
+def test_a_request_is_open_until_a_person_answers_it_on_the_page(grades, tmp_path):
+    folder = tmp_path / "in"
+    ask(folder, "ada", "rgb_to_hsl: red has hue 0 or 360.")
+    ask(folder, "ben", "Why?")
+    said = run("requests", grades, folder)
+    assert "1 open request" in said and f"ada, {LESSON}, rgb_to_hsl: red has hue 0 or 360." in said
+    assert "ben: no exercise of this student is named in 'Why?'" in said
+    assert "red has hue 0 or 360. A person has still to answer." in page_of(grades, "ada")
+    run("regrade", grades, "--student", "ada", "--keep", "rgb_to_hsl", "--reason", "The task says 0.")
+    assert "Answer: The task says 0." in page_of(grades, "ada")
+    assert "0 open requests" in run("requests", grades, folder), "the same file again is not a new request"
+    ask(folder, "ada", "rgb_to_hsl: But page 3 says 360.")
+    assert "1 open request" in run("requests", grades, folder)
+    run("regrade", grades, "--student", "ada", "--set", "rgb_to_hsl=3", "--reason", "True.")
+    page = page_of(grades, "ada")
+    assert (
+        "Answer: True." in page and "3 of 4 points" in page and "0 open requests" in run("requests", grades)
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--keep", "rgb_to_hsl", "--reason", "No."], "there is no open request of 'ada' about 'rgb_to_hsl'"),
+        (["--keep", "rgb_to_hsl"], "say why with --reason"),
+    ],
+)
+def test_an_answer_needs_a_request_and_a_reason(grades, words, message):
+    done = CliRunner().invoke(cli.app, ["regrade", str(grades), "--student", "ada", *words])
+    assert done.exit_code == 1 and message in done.output

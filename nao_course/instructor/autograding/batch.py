@@ -202,7 +202,7 @@ def feedback_writer(journal: Journal, folder: Path) -> Callable[[SubmissionResul
     """Return what writes a result's feedback page, with what people changed and marked before the run."""
     from nao_course.instructor.reports import feedback
 
-    comments = journal.comments()
+    comments, requests = journal.comments(), journal.requests()
     overrides: dict[tuple[str, str], list[Override]] = defaultdict(list)
     marks: dict[tuple[str, str], list[Mark]] = defaultdict(list)
     for change in journal.overrides():
@@ -213,7 +213,7 @@ def feedback_writer(journal: Journal, folder: Path) -> Callable[[SubmissionResul
     def write(result: SubmissionResult) -> Path:
         key = (result.student, result.lesson)
         return feedback.write(
-            result, folder, overrides.get(key, ()), marks.get(key, ()), journal.policy, comments
+            result, folder, overrides.get(key, ()), marks.get(key, ()), journal.policy, comments, requests
         )
 
     return write

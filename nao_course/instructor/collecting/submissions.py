@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
+from nao_course.homework import REQUEST
 from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
 from nao_course.instructor.collecting.names import (
     NamedFile,
@@ -321,7 +322,7 @@ class _Search:
     def leave_out(self, shown: str, reason: str, size: int = 0) -> None:
         """Record a path that is not graded. A notebook, a zip or a folder may be a student's work."""
         file = shown.rpartition("/")[2].lower()
-        if file == "receipt.json":
+        if file in ("receipt.json", REQUEST):
             return
         may_be_work = file.endswith((".ipynb", ".zip")) or not size  # a folder, a link, a pipe
         (self.lost if may_be_work else self.unknown).append(f"{shown}: {reason}")

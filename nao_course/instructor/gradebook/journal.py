@@ -19,6 +19,7 @@ from nao_course.instructor.gradebook.records import (
     Comment,
     Mark,
     Override,
+    Request,
     SubmissionResult,
     as_json,
     from_json,
@@ -49,6 +50,12 @@ PRAGMA user_version = {VERSION};
 _COMMENTS = """
 CREATE TABLE IF NOT EXISTS comments (
     lesson TEXT NOT NULL, exercise TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL, time TEXT NOT NULL)
+"""
+
+_REQUESTS = """
+CREATE TABLE IF NOT EXISTS requests (
+    student TEXT NOT NULL, lesson TEXT NOT NULL, exercise TEXT NOT NULL, text TEXT NOT NULL, answer TEXT NOT NULL,
+    time TEXT NOT NULL)
 """
 
 
@@ -269,6 +276,37 @@ class Journal:
             return {}
         rows = self._all("SELECT lesson, exercise, kind, text FROM comments ORDER BY rowid")
         return {kind: text for kind, text in {each[:3]: each[3] for each in rows}.items() if text}
+
+    def request(self, requests: Iterable[Request]) -> list[Request]:
+        """Keep requests that are not there yet, as open ones; return these."""
+        known = {(each.student, each.lesson, each.exercise, each.text) for each in self.requests()}
+        new = [
+            each for each in requests if (each.student, each.lesson, each.exercise, each.text) not in known
+        ]
+        rows = [(each.student, each.lesson, each.exercise, each.text, "", now()) for each in new]
+        with self._writing():
+            self._database.execute(_REQUESTS)
+            self._database.executemany("INSERT INTO requests VALUES (?, ?, ?, ?, ?, ?)", rows)
+        return new
+
+    def answer(self, student: str, lesson: str, exercise: str, answer: str) -> bool:
+        """Answer the open requests about a student's exercise; return whether there was one."""
+        key = (student, lesson, exercise, "")
+        if all((each.student, each.lesson, each.exercise, each.answer) != key for each in self.requests()):
+            return False
+        with self._writing():
+            self._database.execute(
+                "UPDATE requests SET answer = ? WHERE student = ? AND lesson = ? AND exercise = ? AND answer = ?",
+                (answer, *key),
+            )
+        return True
+
+    def requests(self) -> list[Request]:
+        """Return all requests, the oldest first."""
+        if not self._all("SELECT name FROM sqlite_master WHERE name = 'requests'"):
+            return []
+        rows = self._all("SELECT student, lesson, exercise, text, answer FROM requests ORDER BY rowid")
+        return [Request(*each) for each in rows]
 
     def began(self, submissions: Path) -> None:
         """Note where the submissions of a run are."""

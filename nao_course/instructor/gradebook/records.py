@@ -250,6 +250,27 @@ class Comment:
     time: str = field(default_factory=now)
 
 
+@dataclass(frozen=True)
+class Request:
+    """A student's request that a person looks at an exercise again.
+
+    Parameters
+    ----------
+    student, lesson, exercise : str
+        Whose, and which exercise.
+    text : str
+        What the student wrote.
+    answer : str
+        What the person decided and why; empty while the request is open.
+    """
+
+    student: str
+    lesson: str
+    exercise: str
+    text: str
+    answer: str = ""
+
+
 # --- as JSON ---
 
 

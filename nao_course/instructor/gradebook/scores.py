@@ -11,6 +11,7 @@ from nao_course.instructor.gradebook.records import (
     ExerciseResult,
     Mark,
     Override,
+    Request,
     SubmissionResult,
     WrittenAnswer,
 )
@@ -34,6 +35,8 @@ class Score:
         When it was due, and what it loses; None without a deadline.
     comments : mapping of str to str
         Comments on wrong answers, by exercise.
+    requests : mapping of str to Request
+        The student's last request about an exercise, by exercise.
     """
 
     result: SubmissionResult
@@ -41,6 +44,7 @@ class Score:
     marks: Mapping[str, Mark] = field(default_factory=dict)
     lateness: Lateness | None = None
     comments: Mapping[str, str] = field(default_factory=dict)
+    requests: Mapping[str, Request] = field(default_factory=dict)
 
     def of(self, exercise: ExerciseResult) -> float:
         """Return the points of an exercise; points from a person replace the grader's."""
@@ -92,6 +96,7 @@ def score(
     marks: Iterable[Mark] = (),
     policy: LatePolicy | None = None,
     comments: Comments | None = None,
+    requests: Iterable[Request] = (),
 ) -> Score:
     """Put together what belongs to a result.
 
@@ -105,8 +110,10 @@ def score(
         What late submissions lose; nothing by default.
     comments : mapping of (str, str, str) to str, optional
         Comments by lesson, exercise and kind of the wrong answer.
+    requests : iterable of Request
+        Of anyone, the oldest first.
     """
-    return scores([result], overrides, marks, policy, comments)[0]
+    return scores([result], overrides, marks, policy, comments, requests)[0]
 
 
 def scores(
@@ -115,9 +122,10 @@ def scores(
     marks: Iterable[Mark] = (),
     policy: LatePolicy | None = None,
     comments: Comments | None = None,
+    requests: Iterable[Request] = (),
 ) -> list[Score]:
     """Put together what belongs to each of many results, in their order."""
-    return list(each_score(results, overrides, marks, policy, comments))
+    return list(each_score(results, overrides, marks, policy, comments, requests))
 
 
 def each_score(
@@ -126,10 +134,14 @@ def each_score(
     marks: Iterable[Mark] = (),
     policy: LatePolicy | None = None,
     comments: Comments | None = None,
+    requests: Iterable[Request] = (),
 ) -> Iterator[Score]:
     """Yield the same one by one, because all results may not fit into memory."""
     changed: dict[tuple[str, str], dict[str, Override]] = defaultdict(dict)
     marked: dict[tuple[str, str], dict[str, Mark]] = defaultdict(dict)
+    asked: dict[tuple[str, str], dict[str, Request]] = defaultdict(dict)
+    for request in requests:
+        asked[request.student, request.lesson][request.exercise] = request
     for override in sorted(overrides, key=lambda each: each.time):
         changed[override.student, override.lesson][override.exercise] = override
     for mark in sorted(marks, key=lambda each: each.time):
@@ -142,4 +154,4 @@ def each_score(
             if comments and (text := comments.get((each.lesson, exercise.name, exercise.kind)))
         }
         lateness = policy.lateness(each) if policy else None
-        yield Score(each, changed.get(key, {}), marked.get(key, {}), lateness, said)
+        yield Score(each, changed.get(key, {}), marked.get(key, {}), lateness, said, asked.get(key, {}))

@@ -49,6 +49,7 @@ def all_scores(journal: Journal, lesson: str | None = None) -> list[Score]:
         journal.marks(lesson),
         journal.policy,
         journal.comments(),
+        journal.requests(),
     )
 
 

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Literal
 
 from nao_course._internal.counts import say_count
+from nao_course.homework import REQUEST
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.late import Lateness, LatePolicy
 from nao_course.instructor.gradebook.records import (
     ExerciseResult,
     Mark,
     Override,
+    Request,
     State,
     SubmissionResult,
     WrittenAnswer,
@@ -108,6 +110,7 @@ def write(
     marks: Iterable[Mark] = (),
     policy: LatePolicy | None = None,
     comments: Comments | None = None,
+    requests: Iterable[Request] = (),
 ) -> Path:
     """Write a student's page.
 
@@ -123,6 +126,8 @@ def write(
         What late submissions lose.
     comments : mapping, optional
         Comments by lesson, exercise and kind of the wrong answer.
+    requests : iterable of Request
+        What students asked; only what belongs to this student and lesson counts.
 
     Returns
     -------
@@ -130,7 +135,7 @@ def write(
         The page.
     """
     path = folder / safe_name(result.student) / f"{safe_name(result.lesson)}.html"
-    return write_whole(path, feedback_page(score(result, overrides, marks, policy, comments)))
+    return write_whole(path, feedback_page(score(result, overrides, marks, policy, comments, requests)))
 
 
 def feedback_page(score: Score) -> str:
@@ -227,7 +232,8 @@ def _exercises(score: Score) -> Iterator[Markup]:
 
 def _is_plain(score: Score, exercise: ExerciseResult, state: State) -> bool:
     """Return True if an exercise needs no details beyond its state and points."""
-    return exercise.state == state and not exercise.with_reference and exercise.name not in score.overrides
+    by_people = {*score.overrides, *score.requests}
+    return exercise.state == state and not exercise.with_reference and exercise.name not in by_people
 
 
 def _short_list(exercises: Iterable[ExerciseResult], colour: str, sign: str) -> Markup:
@@ -298,6 +304,9 @@ def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
     yield from _remarks(exercise)
     if comment := score.comments.get(exercise.name):
         yield Said("box", comment, "A person's comment", "calm")
+    if request := score.requests.get(exercise.name):
+        answer = f"Answer: {request.answer}" if request.answer else "A person has still to answer."
+        yield Said("box", f"{request.text}\n{answer}", "You asked to have this checked", "calm")
     if override := score.overrides.get(exercise.name):
         given = f"The grader gave {number(exercise.earned)}, a person {_points(override.points)}."
         yield Said("box", f"{given}\n{override.reason}", "A person looked at this", "calm")
@@ -401,7 +410,10 @@ def _footer(result: SubmissionResult) -> Markup:
     said = f"{', '.join(parts)}. " if parts else ""
     hidden = "Hidden cases have other inputs than the public check. " if result.status == "graded" else ""
     return element(
-        "footer", f"{said}{hidden}You think that something here is wrong? Ask: a person can change it."
+        "footer",
+        f"{said}{hidden}You think that something here is wrong? Write a file {REQUEST} beside your notebooks, with the "
+        "name of the exercise, a colon and your reason, and hand it in as you hand in a notebook. A person answers it "
+        "on this page.",
     )
 
 
