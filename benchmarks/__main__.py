@@ -25,6 +25,7 @@ BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with
         "field_speed",
         "field_tails",
         "field_walk",
+        "own_fields",
         "kidnapping",
     ),
     "beyond": ("beyond_cameras", "beyond_exploring", "beyond_moves", "beyond_particles"),

@@ -1,5 +1,7 @@
 """Make the pictures of README, docs and lessons, and the films: ``python images/make.py``, or some: ``... effects``.
 
+``python images/make.py slides`` writes each lesson's figures for slides, with captions, into build/slides.
+
 What each shows, for who does not see it, stands in alt_texts.toml; README, docs and lessons say the same words.
 """
 
@@ -57,6 +59,13 @@ def effects() -> Files:
     return {Path("images", "effects.png"): draw_effects()}
 
 
+def own_fields() -> Files:
+    """Three fields of the course, from above and through the robot's camera."""
+    from images.fields import draw_fields
+
+    return {Path("images", "own_fields.png"): draw_fields()}
+
+
 def real_building() -> Files:
     """A graph of the recordings, relaxed by lesson 09's solution."""
     from nao_course.instructor.authoring.plans import load_solution
@@ -74,6 +83,13 @@ def real_walk() -> Files:
     from benchmarks.field import field_walk
 
     return in_lessons("11_real_walk.png", field_walk.draw_maps())
+
+
+def slides() -> Files:
+    """Return each lesson's figures for slides, with captions, in build/slides."""
+    from images.slides import slides_of
+
+    return {path: content for name in COURSE.names() for path, content in slides_of(COURSE, name).items()}
 
 
 def film(name: str) -> Files:
@@ -110,6 +126,7 @@ PICTURES: dict[str, Callable[[], Files]] = {
     "my_nao": lambda: screen("my_nao"),
     "lesson": lambda: screen("lesson"),
     "effects": effects,
+    "own_fields": own_fields,
     "corner_steps": corner_steps,
     "09_intel": real_building,
     "11_real_walk": real_walk,
@@ -127,7 +144,8 @@ FILMS: dict[str, Callable[[], Files]] = {
         "12_particles",
     )
 }
-MAKERS = PICTURES | FILMS
+SLIDES = {"slides": slides}  # made only if named, because all solutions run for them
+MAKERS = PICTURES | FILMS | SLIDES
 
 
 def make(name: str) -> list[Path]:
@@ -147,7 +165,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Make the pictures that the command line names, all by default; return the exit status."""
     parser = argparse.ArgumentParser(prog="python images/make.py", description="Make the course's pictures.")
     parser.add_argument("name", nargs="*", choices=[*MAKERS, []], metavar="NAME", help=", ".join(MAKERS))
-    names = parser.parse_args(arguments).name or list(MAKERS)
+    names = parser.parse_args(arguments).name or list(PICTURES | FILMS)
     os.chdir(ROOT)  # where the solutions are
     console, missing = Console(highlight=False, soft_wrap=True), 0
     for number, name in enumerate(names, start=1):

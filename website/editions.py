@@ -83,6 +83,7 @@ EDITIONS = {
             "solutions",
             (
                 "teach_the_course",
+                "syllabus",
                 "grade_a_class",
                 "what_is_protected",
                 "write_a_lesson",

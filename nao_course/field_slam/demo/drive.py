@@ -151,7 +151,7 @@ def see(
     rules : FieldDimensions
         Dimensions of the field; the width of its lines, the colour and posts of its goals, and its circle are used.
     """
-    found = _detect(functions, pixels, view, rules)
+    found = detect(functions, pixels, view, rules)
     return _measure(functions, found, view, rules, farthest, joint=joint)
 
 
@@ -185,7 +185,7 @@ def see_all(
     for frame in frames:
         began = time.perf_counter()
         view = frame.view if frame.calibrated else calibration.reading_view(frame.view)
-        found = _detect(functions, frame.pixels, view, rules)
+        found = detect(functions, frame.pixels, view, rules)
         if not frame.calibrated:
             calibration.update(found.lines, found.posts, frame.view)
         waiting.append((frame, found, time.perf_counter() - began))
@@ -195,9 +195,10 @@ def see_all(
     yield from (_measured(functions, *each, calibration, joint, rules) for each in waiting)
 
 
-def _detect(
-    functions: Functions, pixels: npt.NDArray[np.uint8], view: CameraView, rules: FieldDimensions
+def detect(
+    functions: Functions, pixels: npt.NDArray[np.uint8], view: CameraView, rules: FieldDimensions = RULES
 ) -> Detections:
+    """Find the posts of a picture with the student's functions, if the field has any, and the lines; see `see`."""
     lines = read_lines(pixels, view, rules.line_width)
     if rules.goal_colour == "none":
         return Detections(np.empty((0, 2)), lines)
