@@ -33,6 +33,7 @@ SECONDS_TO_CONNECT = 15.0
 SECONDS_FOR_A_WORKER = 60.0  # until the first one joins
 _SECONDS_BETWEEN_UPDATES = 1.0  # of the list of workers
 _CONFIGURATION = {"distributed.admin.large-graph-warning-threshold": "1GB"}  # a notebook may have 50 MB
+_LEAVE_CONTROL_C_TO_THE_GRADER = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
 
 
 class ClusterError(ValueError):
@@ -238,6 +239,8 @@ def _local_cluster(workers: int, threads: int) -> LocalCluster:
             security=True,
             dashboard_address="127.0.0.1:0",  # by default it is a fixed port of all networks
             scheduler_kwargs={"dashboard": False},
+            silence_logs=logging.CRITICAL,
+            preload=_LEAVE_CONTROL_C_TO_THE_GRADER,
         )
 
 

@@ -426,6 +426,22 @@ def test_after_kill_9_the_same_command_goes_on(course, warm_server, tmp_path, vi
 
 @posix
 @pytest.mark.slow
+def test_control_c_ends_a_run_with_workers_of_this_machine_without_a_traceback(course, tmp_path):
+    """A terminal sends it to all processes, the workers too."""
+    a_class_that_takes_a_while(tmp_path / "in", 60)
+    words = ("nao_course.cli", "grade", tmp_path / "in", "--out", tmp_path / "b", "--workers", 2)
+    with Installation(tmp_path) as there:
+        grader = there.start(*words)
+        there.wait_for_results(5)
+        os.killpg(grader.pid, signal.SIGINT)
+        assert grader.wait(300) == 130
+        assert "the same command goes on" in there.said and "Traceback" not in there.said
+        assert there.start(*words).wait(300) == 0
+    assert (rows(tmp_path / "b", "results"), rows(tmp_path / "b", "history")) == (60, 0)
+
+
+@posix
+@pytest.mark.slow
 def test_a_worker_without_the_course_is_refused_and_the_others_grade(course, tmp_path):
     """It joins while a class is graded: the grader waits until it is there."""
     a_class_that_takes_a_while(tmp_path / "in", 60)
