@@ -43,7 +43,7 @@ BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with
         ),
         "world",
     ),
-    "": ("challenges",),
+    "": ("challenges", "hub"),
 }
 MODULES = {
     name: ".".join(filter(None, ("benchmarks", folder, name)))

@@ -170,3 +170,12 @@ def test_what_cannot_be_handed_in_is_said(tmp_path, monkeypatch):
     monkeypatch.setattr(homework, "MOST_BYTES", 1000)
     with pytest.raises(ValueError, match="Clear Outputs of All Cells"):
         homework.submit(tmp_path, tmp_path)
+
+
+def test_a_release_that_all_students_share_can_be_elsewhere(unpacked, tmp_path_factory):
+    """On a JupyterHub, each student's folder has no release of its own."""
+    home = tmp_path_factory.mktemp("home")
+    given = [str(each) for each in homework.renew(home, unpacked / "release")]
+    assert given == [f"{name}.ipynb: as released" for name in COURSE.names()]
+    assert (home / "notebooks" / "images").is_dir() and not (home / "release").exists()
+    assert homework.renew(home, unpacked / "release") == []

@@ -17,7 +17,7 @@ HERE = Path(__file__).parent
 LARGEST_MESSAGE = 60_000_000
 
 
-# Other users of a hub's server could read a kernel's outputs from its TCP ports, which ask for no password.
+# Over TCP, every user of the hub's server could read a kernel's outputs, because its ports ask for no password.
 _ON_A_HUB = ("--KernelManager.transport=ipc", "--LabApp.extension_manager=readonly")
 
 

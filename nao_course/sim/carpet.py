@@ -33,7 +33,7 @@ class Wear:
     tape: float
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=1)  # 8 MB each
 def carpet_levels(
     extent: Rectangle, lines: Rectangle, colour: Colour, wear: Wear, seed: int
 ) -> tuple[Bytes, ...]:

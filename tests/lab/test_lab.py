@@ -34,6 +34,19 @@ def test_jupyterlab_is_given_the_courses_settings_and_further_arguments():
     assert news["fetchNews"] == "false"
 
 
+def test_on_a_hub_the_same_settings_open_a_server_that_the_hub_knows_and_whose_kernels_have_no_ports(
+    monkeypatch,
+):
+    monkeypatch.setenv("JUPYTERHUB_SERVICE_URL", "http://127.0.0.1:8001/")
+    arguments = lab.command(Path("notebooks"))[1:]
+    assert arguments[:3] == ["-m", "jupyterhub.singleuser", "--ServerApp.root_dir=notebooks"]
+    assert "--KernelManager.transport=ipc" in arguments
+    monkeypatch.delenv("JUPYTERHUB_SERVICE_URL")
+    at_home = lab.command(Path("notebooks"))[1:]
+    assert [each for each in at_home if each.startswith("--")] == arguments[5:]
+    assert not any("transport" in each for each in at_home)
+
+
 def test_the_server_finds_the_courses_style_sheet_behind_the_users_own():
     (point,) = lab._jupyter_server_extension_points()
     assert point["module"] == lab.__name__ and f"'{lab.__name__}': True" in " ".join(lab.command(Path()))
