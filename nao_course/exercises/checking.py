@@ -13,6 +13,7 @@ from contextlib import contextmanager, nullcontext, redirect_stderr
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from importlib import resources
+from itertools import count
 from types import CodeType
 from typing import Any
 
@@ -22,7 +23,7 @@ from nao_course.codec import Limits, decode, encode
 from nao_course.exercises import judging, running
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.comparisons.comparison import with_article
-from nao_course.exercises.earlier import split_use, watching
+from nao_course.exercises.earlier import CallsWhenNeeded, split_use, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.judging import AT_FAULT, Report, explain, with_the_reason
@@ -57,7 +58,26 @@ def read_public(name: str) -> PublicLesson:
     there = lessons()
     if name not in there:
         raise ValueError(f"there is no lesson {name!r} with checks; choose one of {there}")
-    return _unpacked((resources.files("nao_course.exercises") / _DATA / f"{name}.bin").read_bytes())
+    return _read(name, zlib.crc32(_data(name)))
+
+
+def _data(name: str) -> bytes:
+    """Return the bytes of a lesson's file."""
+    return (resources.files("nao_course.exercises") / _DATA / f"{name}.bin").read_bytes()
+
+
+@lru_cache(maxsize=32)  # `progress` calls it several times for each lesson
+def _read(name: str, checksum: int) -> PublicLesson:
+    """Read a lesson's data without the recorded calls, which are most of it and rarely needed."""
+    lesson = unpack(_data(name))
+
+    def without_calls(number: int, exercise: PublicExercise) -> PublicExercise:
+        if not exercise.earlier:
+            return exercise
+        calls = CallsWhenNeeded(lambda: unpack(_data(name)).exercises[number].earlier)
+        return replace(exercise, earlier=calls)
+
+    return replace(lesson, exercises=list(map(without_calls, count(), lesson.exercises)))
 
 
 def lessons() -> list[str]:
@@ -78,9 +98,6 @@ def unpack(data: bytes) -> PublicLesson:
     if not isinstance(lesson, PublicLesson):
         raise ValueError("not a lesson's check data")
     return lesson
-
-
-_unpacked = lru_cache(maxsize=32)(unpack)  # `progress` calls it several times for each lesson
 
 
 def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = np.inf) -> Report:

@@ -262,7 +262,7 @@ class PublicExercise:
         As in Exercise.
     seconds : float
         As in Exercise.
-    earlier : list of EarlierCall
+    earlier : sequence of EarlierCall
         Calls of earlier lessons' functions that the reference makes in these cases.
     uses : list of str
         As in Exercise.
@@ -281,7 +281,7 @@ class PublicExercise:
     driver: str
     in_place: bool
     seconds: float = SECONDS
-    earlier: list[EarlierCall] = field(default_factory=list)
+    earlier: Sequence[EarlierCall] = field(default_factory=list)
     uses: list[str] = field(default_factory=list)
     pairs: list[MistakePair] = field(default_factory=list)
 

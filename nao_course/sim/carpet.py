@@ -33,7 +33,7 @@ class Wear:
     tape: float
 
 
-@lru_cache(maxsize=1)  # 8 MB each
+@lru_cache(maxsize=2)  # 8 MB each; asked for at every picture
 def carpet_levels(
     extent: Rectangle, lines: Rectangle, colour: Colour, wear: Wear, seed: int
 ) -> tuple[Bytes, ...]:

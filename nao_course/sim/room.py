@@ -47,7 +47,7 @@ _GRAZING = np.float32(0.02)  # a plane that is seen at a smaller angle (rad) is 
 _DEPTH = 0.16
 
 
-@lru_cache(maxsize=1)  # 12 MB each
+@lru_cache(maxsize=2)  # 12 MB each; asked for at every picture
 def furnish(carpet: Rectangle, amount: float, seed: int) -> tuple[Curtain, ...]:
     """Put walls and furniture around a carpet (x_min, y_min, x_max, y_max); an `amount` of 1 is a full laboratory.
 

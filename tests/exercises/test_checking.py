@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import sympy
 
+from nao_course.codec import encode
 from nao_course.exercises import Between, Case, CheckFailed, Checks, Close, Exact, Points, checking, running
 from nao_course.exercises.checking import grade_public
 from nao_course.exercises.comparisons.comparison import Verdict
@@ -549,6 +550,18 @@ def test_a_function_whose_new_version_did_not_run_is_not_checked(check):
         report = check("clamp", np.clip)
     assert report.state == "not checked" and not report
     assert report.lines[0] == "The cell that defines clamp did not run: SyntaxError, line 2: invalid syntax."
+
+
+def test_recorded_calls_are_read_when_they_are_needed_and_are_the_ones_that_were_packed():
+    """They are most of a lesson's data, and a student whose earlier functions work needs none of them."""
+    name = "11_slam_on_the_field"
+    packed = checking.unpack(checking._data(name)).exercises
+    read = checking.read_public(name).exercises
+    assert [bool(each.earlier) for each in read] == [bool(each.earlier) for each in packed]
+    kept = next(each for each in read if each.name == "joint_distance").earlier
+    assert "_calls" not in vars(kept)
+    (wanted,) = [each.earlier for each in packed if each.name == "joint_distance"]
+    assert encode(list(kept)) == encode(wanted)
 
 
 def test_a_lessons_data_is_decoded_once_however_often_it_is_asked_for():
