@@ -195,7 +195,11 @@ def test_every_rule_of_a_lesson_names_tests_that_there_are_and_every_test_of_a_r
 
 
 def test_every_level_is_a_column_of_the_table_of_threats():
-    (header,) = (line for line in text_of("what_is_protected.md").splitlines() if line.startswith("| what a"))
+    (header,) = (
+        line
+        for line in text_of("what_is_protected.md").splitlines()
+        if line.startswith("| what a student's code")
+    )
     assert re.findall(r"`(\w+)`", header) == list(LEVELS)
 
 
