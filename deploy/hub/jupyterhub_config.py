@@ -66,7 +66,8 @@ c.Spawner.mem_limit = (
 c.Spawner.cpu_limit = 2  # one student's endless loops leave the other processors free
 c.Spawner.start_timeout = 120  # a whole class logs in within a minute
 c.Spawner.http_timeout = 120
-c.JupyterHub.concurrent_spawn_limit = 10  # the next ones wait, rather than all of them becoming slow
+# More than a class: who comes when so many servers are starting gets an error page and has to try again.
+c.JupyterHub.concurrent_spawn_limit = 50
 c.SystemdSpawner.isolate_tmp = True  # no student sees another's temporary files
 c.SystemdSpawner.isolate_devices = True
 c.SystemdSpawner.disable_user_sudo = True

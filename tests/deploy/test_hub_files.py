@@ -65,6 +65,12 @@ def test_an_account_is_made_once_with_a_home_that_nobody_else_can_read(config, m
     assert len(made) == 1
 
 
+def test_a_class_that_comes_at_once_is_not_turned_away(config):
+    """Beyond this number JupyterHub answers with error 429: the load test's eleventh student met a limit of ten."""
+    assert config.JupyterHub.concurrent_spawn_limit >= 30
+    assert VALUES["hub"]["concurrentSpawnLimit"] == config.JupyterHub.concurrent_spawn_limit
+
+
 def test_both_hubs_give_a_student_the_same(config):
     """One server and Kubernetes: the same limits, command, sign-on and time until an idle server stops."""
     student = VALUES["singleuser"]
