@@ -22,7 +22,7 @@ LENGTH = 20  # characters of a fingerprint
 LEAST_SHARE, LEAST_SHARED = 0.3, 30
 # A fingerprint of more notebooks than this belongs to the task, as in MOSS; equal notebooks count as one.
 COMMON, COMMON_SHARE = 10, 0.1
-LONGEST = 200_000  # characters of a notebook's own code that are compared
+LONGEST = 100_000  # characters of a notebook's own code that are compared
 # Kept everywhere: winnowing to fewer fingerprints would depend on Python's hashes, which differ from run to run.
 _WINDOW = 1
 # A comma that only a formatter adds. A space in its place keeps all positions.
