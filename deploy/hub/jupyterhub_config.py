@@ -61,7 +61,7 @@ c.Spawner.environment = {
 }
 c.Spawner.default_url = "/lab"
 c.Spawner.mem_limit = (
-    "1G"  # four times what lesson 11 needs; a loop that appends for ever ends its own student only
+    "1G"  # twice what all of lesson 11 needs; a loop that appends for ever ends its own student only
 )
 c.Spawner.cpu_limit = 2  # one student's endless loops leave the other processors free
 c.Spawner.start_timeout = 120  # a whole class logs in within a minute
