@@ -265,7 +265,7 @@ def package_digest() -> str:
 
 def _sources_digest(counts: Callable[[Path], bool]) -> str:
     digest = hashlib.sha256()
-    for path in sorted(LIBRARY.rglob("*.py")):
+    for path in sorted([*LIBRARY.rglob("*.py"), *LIBRARY.rglob("*.toml")]):
         inside = path.relative_to(LIBRARY)
         if counts(inside):
             digest.update(f"{inside.as_posix()}\0".encode())
