@@ -10,6 +10,7 @@ import os
 import shutil
 import sys
 import tempfile
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from rich.console import Console
 
 from nao_course.homework import zipped
 from nao_course.instructor.authoring.course import Course, LessonError
+from nao_course.instructor.authoring.course_file import NAME
 from nao_course.instructor.authoring.release import LIBRARY_KINDS, library_files
 from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.autograding.secret import keyed, load_secret
@@ -32,7 +34,7 @@ ROOT = Path("/autograder")
 ROOT_VARIABLE = "NAO_COURSE_AUTOGRADER"  # another root, for trying it out elsewhere
 LOCK = "requirements-dev.lock"
 _INSTRUCTOR = "nao_course/instructor"  # a distribution of its own
-_AS_THEY_ARE = ("course.toml", "pyproject.toml", f"{_INSTRUCTOR}/pyproject.toml", "LICENSE", LOCK)
+_AS_THEY_ARE = (NAME, "pyproject.toml", f"{_INSTRUCTOR}/pyproject.toml", "LICENSE", LOCK)
 # Layers; each keeps the solution from being read
 _CLOSING = {"landlock", "mount namespace", "unprivileged user"}
 _SETUP = f"""#!/usr/bin/env bash
@@ -118,10 +120,39 @@ def contents(course: Course, lesson: str, secret: bytes) -> dict[str, bytes]:
         raise LessonError(f"there is no {', '.join(missing)}: run `nao-course build` first")
     wanted += library_files(course.root, LIBRARY_KINDS | {".bin"})
     files = {path.relative_to(course.root).as_posix(): path.read_bytes() for path in wanted}
+    files[NAME] = without_extensions(files[NAME].decode()).encode()
     files["setup.sh"] = _SETUP.encode()
     files["run_autograder"] = _RUN.replace("LESSON", lesson).encode()
     files["secret"] = keyed(secret, "gradescope", lesson).encode()
     return files
+
+
+def without_extensions(course_file: str) -> str:
+    r"""Return the text of a course.toml without its tables of extensions, which name students.
+
+    Raises
+    ------
+    LessonError
+        If the extensions are written in a way that this cannot remove.
+
+    Examples
+    --------
+    >>> without_extensions('title = "x"\\n[extensions."Ada"]\\n01 = 2026-11-27\\n[points]\\n')
+    'title = "x"\\n[points]\\n'
+    """
+    kept, inside = list[str](), False
+    for line in course_file.splitlines(keepends=True):
+        if line.lstrip().startswith("["):
+            inside = line.lstrip(" \t[").startswith("extensions")
+        if not inside:
+            kept.append(line)
+    text = "".join(kept)
+    if "extensions" in tomllib.loads(text):
+        raise LessonError(
+            f"{NAME} contains extensions, which name students, and they would go to Gradescope. Write each as "
+            'a table [extensions."NAME"], so that they can be left out'
+        )
+    return text
 
 
 # --- what runs there ---

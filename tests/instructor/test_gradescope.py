@@ -7,6 +7,7 @@ import shutil
 import stat
 import subprocess
 import sys
+import tomllib
 import zipfile
 from contextlib import nullcontext
 from types import SimpleNamespace
@@ -195,3 +196,16 @@ def test_where_nothing_hides_the_solution_nothing_is_graded(tmp_path, course, mo
     with pytest.raises(RuntimeError, match="a submission could read the solution.*landlock"):
         gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
     assert not (tmp_path / "results").exists()
+
+
+def test_extensions_name_students_and_do_not_go_to_gradescope():
+    text = 'title = "x"\n[late]\nper_day = 0.1\n [extensions."Ada [1]"]\n01 = 2026-11-27T00:00:00Z\n[points]\na = 2\n'
+    assert "Ada" not in gradescope.without_extensions(text)
+    assert tomllib.loads(gradescope.without_extensions(text)) == {
+        "title": "x",
+        "late": {"per_day": 0.1},
+        "points": {"a": 2},
+    }
+    assert gradescope.without_extensions('title = "x"\n') == 'title = "x"\n'
+    with pytest.raises(LessonError, match="so that they can be left out"):
+        gradescope.without_extensions("extensions.Ada.01 = 2026-11-27T00:00:00Z\n")
