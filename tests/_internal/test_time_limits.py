@@ -1,5 +1,6 @@
 """Code that runs too long is stopped, in any thread, but not in the middle of an import."""
 
+import gc
 import importlib
 import sys
 import threading
@@ -37,6 +38,15 @@ def test_it_works_in_a_thread_that_signals_do_not_reach():
     thread.start()
     thread.join(30)  # where it is not stopped
     assert done == [True]
+
+
+@pytest.fixture(autouse=True)
+def no_garbage():
+    """Keep other tests' garbage out of the time-limited blocks: pytest's hook for it must not be interrupted."""
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
 
 
 @pytest.mark.parametrize("in_main", [True, False])
