@@ -137,8 +137,8 @@ def without_extensions(course_file: str) -> str:
 
     Examples
     --------
-    >>> without_extensions('title = "x"\\n[extensions."Ada"]\\n01 = 2026-11-27\\n[points]\\n')
-    'title = "x"\\n[points]\\n'
+    >>> without_extensions('title = "x"\n[extensions."Ada"]\n01 = 2026-11-27\n[points]\n')
+    'title = "x"\n[points]\n'
     """
     kept, inside = list[str](), False
     for line in course_file.splitlines(keepends=True):
