@@ -348,6 +348,8 @@ class Installation:
                 stdout=said,
                 stderr=said,
                 start_new_session=True,
+                # Tests that run in the background inherit that Ctrl-C is ignored.
+                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
             )
         self.running.append(process)
         return process
