@@ -113,6 +113,14 @@ def test_what_a_student_runs_is_what_the_instructor_tests():
     assert student - hub == set()
 
 
+@pytest.mark.parametrize("name", ["web/package-lock.json", "deploy/hub/package-lock.json"])
+def test_a_lock_of_npm_holds_hashes_and_no_address(name):
+    text = (PROJECT / name).read_text(encoding="utf-8")
+    packages = json.loads(text)["packages"]
+    assert "://" not in text
+    assert all("integrity" in package for path, package in packages.items() if path)
+
+
 @pytest.mark.parametrize("name", ["requirements.lock", "requirements-dev.lock"])
 def test_a_lock_keeps_the_extras_that_packages_ask_for(name):
     """Without them, older pips ignore the pin and fail as soon as a newer release of that package appears."""
