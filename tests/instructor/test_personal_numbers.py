@@ -1,11 +1,13 @@
 """Numbers of the students' own worlds: computed with the solution, kept, and computed again when it changes."""
 
 import json
+import pickle
 from dataclasses import replace
 
 import pytest
 
 from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.personal_numbers import PersonalNumbers, read_worlds
 from nao_course.instructor.reports.spreadsheets import TableError
 from tests.pages import answer, result
@@ -68,3 +70,9 @@ def test_the_names_in_the_copies_may_differ_from_the_gradebook(asking, tmp_path)
     path.write_text("name\nada\n", encoding="utf-8")
     with pytest.raises(TableError):
         read_worlds(path)
+
+
+def test_an_assignment_has_no_code_of_the_question_and_can_be_sent(asking):
+    assignment = prepare(asking, "01_toy", b"0123456789abcdef")
+    (question,) = pickle.loads(pickle.dumps(assignment)).written
+    assert question.name == "say_why" and question.numbers is None

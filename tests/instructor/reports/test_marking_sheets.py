@@ -418,6 +418,11 @@ def test_an_answer_with_the_numbers_of_somebody_else_is_named():
     _, line = compare_numbers("It is 1.31, and the error 0.032.", "ada", WORLDS)
     assert line.endswith("another personal world: bob")
     assert len(list(compare_numbers("It is 1.31.", "ada", WORLDS))) == 1  # one number may be chance
+    # One own number may be in the answer by chance.
+    assert (
+        len(list(compare_numbers("It is 1.31, the error 0.032, and 1.08 is something else.", "ada", WORLDS)))
+        == 2
+    )
     assert len(list(compare_numbers("1.08 and 0.033; bob has 1.31 and 0.032.", "ada", WORLDS))) == 1
 
 
