@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from xdist.scheduler import LoadScopeScheduling
+from xdist.workermanage import WorkerController
 
 # Tests of one lesson each, of up to minutes, that share nothing: any process may take the next one.
 APART = (
@@ -35,6 +36,16 @@ class LongestFirst(LoadScopeScheduling):
 
     def _split_scope(self, nodeid: str) -> str:
         return unit_of(nodeid)
+
+    def remove_node(self, node: WorkerController) -> str | None:
+        """Report the test that ended its process once: xdist would start it again in one process after the other."""
+        for unit in self.assigned_work[node].values():
+            for nodeid, is_done in unit.items():
+                if not is_done:
+                    unit[nodeid] = True
+                    super().remove_node(node)
+                    return nodeid
+        return super().remove_node(node)
 
 
 def unit_of(nodeid: str) -> str:

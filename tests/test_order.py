@@ -1,6 +1,8 @@
 """The order in which tests begin: it names tests that there are, loses none, and keeps a file's tests together."""
 
 import re
+import subprocess
+import sys
 from itertools import groupby
 
 from tests.order import APART, FIRST, in_order, unit_of
@@ -38,3 +40,26 @@ def test_the_longest_begin_then_the_files_of_the_most_tests_and_none_is_lost():
 def test_tests_that_share_what_is_prepared_are_one_unit_and_those_of_one_lesson_each_stand_alone():
     units = [unit for unit, _ in groupby(map(unit_of, (SOME[place] for place in in_order(SOME))))]
     assert len(units) == len(set(units)) == 6
+
+
+def test_a_test_that_hangs_fails_once_and_the_others_run(tmp_path):
+    (tmp_path / "conftest.py").write_text("from tests.conftest import pytest_xdist_make_scheduler\n")
+    (tmp_path / "test_three.py").write_text(
+        "import time\ndef test_a(): pass\ndef test_b(): time.sleep(1000)\ndef test_c(): pass\n"
+    )
+    options = [
+        "-n2",
+        "-pno:nbval",
+        "-pno:cacheprovider",
+        "-ofaulthandler_timeout=4",
+        "-c",
+        PROJECT / "pyproject.toml",
+    ]
+    run = subprocess.run(
+        [sys.executable, "-m", "pytest", *options, "--rootdir", tmp_path, tmp_path],
+        capture_output=True,
+        text=True,
+        cwd=PROJECT,
+        check=False,
+    )
+    assert "1 failed, 2 passed" in run.stdout, run.stdout
