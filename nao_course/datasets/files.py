@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from nao_course._internal.text_encodings import NotTextError, decode_text
+
 DATA_VARIABLE = "NAO_COURSE_DATA"
 
 
@@ -47,6 +49,14 @@ def contents(path: Path, largest: int) -> bytes:
     if not data or len(data) > largest:
         raise ValueError(f"{path}: expected 1 to {largest} bytes, got {'more' if data else 'an empty file'}")
     return data
+
+
+def text_of(path: Path, largest: int) -> str:
+    """Return the text of a file in any usual encoding, or raise ValueError as `contents` does or if it is not text."""
+    try:
+        return decode_text(contents(path, largest))
+    except NotTextError as error:
+        raise ValueError(f"{path}: {error}") from None
 
 
 def brief(value: object) -> str:

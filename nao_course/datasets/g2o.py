@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.datasets.files import brief, contents
+from nao_course.datasets.files import brief, text_of
 from nao_course.geometry import FloatArray, Pose
 from nao_course.graphs import LANDMARK, POSE, Graph
 
@@ -147,10 +147,7 @@ def _words(values: Sequence[float]) -> str:
 
 def _records(path: Path) -> dict[str, list[Record]]:
     """Read the lines of a file that are not empty, grouped by tag."""
-    try:
-        lines = contents(path, LARGEST_GRAPH).decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: is not text ({error.reason} at byte {error.start})") from None
+    lines = text_of(path, LARGEST_GRAPH).splitlines()
     records: dict[str, list[Record]] = {tag: [] for tag in WIDTHS}
     for number, line in enumerate(lines, start=1):
         words = line.partition("#")[0].split()

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course._internal.counts import say_count
-from nao_course.datasets.files import brief, contents, data_folder
+from nao_course.datasets.files import brief, data_folder, text_of
 from nao_course.geometry import FloatArray
 
 # Limits far above any real log, but low enough that a malicious file cannot use much memory or time.
@@ -259,10 +259,7 @@ def _observations(seen: dict[int, tuple[float, float]]) -> Observations:
 
 def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
     """Yield a description of each line's place for messages, and its words; only trailing lines may be empty."""
-    try:
-        lines = contents(path, LARGEST_LOG).decode("utf-8-sig").rstrip().splitlines()
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: is not text ({error.reason} at byte {error.start})") from None
+    lines = text_of(path, LARGEST_LOG).rstrip().splitlines()
     if not lines:
         raise ValueError(f"{path}: expected lines of numbers, got an empty file")
     for number, line in enumerate(lines, start=1):

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.datasets.files import brief, contents, data_folder
+from nao_course.datasets.files import brief, contents, data_folder, text_of
 from nao_course.geometry import Pose
 from nao_course.sim.camera import LARGEST_SIZE
 from nao_course.sim.field import Shape
@@ -238,7 +238,7 @@ def _read_json(path: Path) -> object:
         raise ValueError(f"{constant} is not a JSON number")
 
     try:
-        loaded: object = json.loads(contents(path, LARGEST_ANNOTATIONS).decode(), parse_constant=refuse)
+        loaded: object = json.loads(text_of(path, LARGEST_ANNOTATIONS), parse_constant=refuse)
     except RecursionError:
         raise ValueError(f"{path}: is nested too deeply") from None
     except ValueError as error:  # also JSONDecodeError and UnicodeDecodeError

@@ -16,6 +16,7 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
+from nao_course._internal.text_encodings import NotTextError, decode_text
 from nao_course.exercises import earlier as earlier_lessons
 from nao_course.exercises.cells import SHOWN, grade_id, is_graded, is_solution, metadata, source_of
 from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
@@ -323,7 +324,7 @@ def without_outputs(name: str, content: bytes | bytearray) -> bytes:
 def _contents(name: str, content: bytes | bytearray) -> tuple[NotebookText, dict[str, Any]]:
     """Parse a notebook; return what is graded, and all of it."""
     try:
-        notebook = json.loads(content.decode("utf-8-sig"), parse_int=_whole_number)
+        notebook = json.loads(decode_text(content), parse_int=_whole_number)
         cells = _cells(notebook)
         code = [(_role(cell), source_of(cell)) for cell in cells if cell.get("cell_type") == "code"]
         text = NotebookText(code, _written(cells), *_stamp(notebook))
@@ -346,8 +347,8 @@ def _why_unreadable(error: Exception) -> str:
     match error:
         case _NotebookError():
             return str(error)
-        case UnicodeDecodeError(object=data):
-            return "it is compressed with gzip" if data[:2] == b"\x1f\x8b" else "its text is not in UTF-8"
+        case NotTextError(data=data):
+            return "it is compressed with gzip" if data[:2] == b"\x1f\x8b" else str(error)
         case json.JSONDecodeError(doc=doc, pos=at, msg=message, lineno=line):
             if not doc[at:].strip() or message.startswith("Unterminated"):
                 end = f"it is incomplete: it breaks off in line {line}; save it again with JupyterLab"

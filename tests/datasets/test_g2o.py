@@ -230,7 +230,7 @@ def test_edges_without_vertices_that_give_no_whole_guess_are_refused(
         (b"", "got an empty file"),
         (b"# nothing\n\n", "no line begins with VERTEX_SE2"),
         (b"VERTEX_XY 1 2 3\n", "no line begins with VERTEX_SE2"),
-        (b"VERTEX_SE2 0 \xff 0 0\n", "is not text"),
+        (b"VERTEX_SE2 0 \xff 0 0\n", "line 1: expected integers"),
         (b"\x93NUMPY" + bytes(200), "is not text"),
     ],
 )
@@ -238,6 +238,12 @@ def test_what_is_no_graph_is_refused_with_its_file(tmp_path: Path, data: bytes, 
     (tmp_path / "graph.g2o").write_bytes(data)
     with pytest.raises(ValueError, match=rf"graph\.g2o.*{message}"):
         read_g2o(tmp_path / "graph.g2o")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+def test_a_graph_may_have_the_encoding_of_any_editor(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "graph.g2o").write_bytes("\n".join([*GOOD, "# Größe"]).encode(encoding))
+    assert_same(read_g2o(tmp_path / "graph.g2o")[0], read_g2o(written(tmp_path, GOOD))[0])
 
 
 def test_a_file_that_is_missing_or_too_large_is_refused(

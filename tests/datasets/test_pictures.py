@@ -180,7 +180,7 @@ def test_a_missing_annotation_file_or_one_of_another_encoding_is_refused_by_its_
     with pytest.raises(ValueError, match=r"straightwalk.annotations\.json: cannot be read"):
         read_pictures("straightwalk", write(tmp_path, [entry()]))
     (tmp_path / "amsterdam_2013" / "scenes" / "annotations.json").write_bytes(b"\xff\xfe\xff")
-    with pytest.raises(ValueError, match=r"annotations\.json: is not JSON"):
+    with pytest.raises(ValueError, match=r"annotations\.json: it is not text"):
         read_pictures("scenes", tmp_path)
 
 

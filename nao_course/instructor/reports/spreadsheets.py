@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from nao_course._internal.text_encodings import NotTextError, decode_text
 from nao_course.instructor.reports.html import visible
 
 LARGEST = 64 * 2**20  # bytes of a table that is read
@@ -183,21 +184,13 @@ def _first_row(text: str, separator: str) -> list[str]:
 
 
 def _text(path: Path) -> str:
-    """Return a file's text. Without a byte order mark it is read as UTF-8 if possible, else in Excel's encoding."""
+    """Return a file's text."""
     if path.stat().st_size > LARGEST:
         raise TableError(f"{path.name} is larger than {LARGEST // 2**20} MB")
-    data = path.read_bytes()
-    encoding = "utf-8-sig"
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        encoding = "utf-16"
-    elif b"\0" in data[:2]:
-        encoding = "utf-16-be" if data[0] == 0 else "utf-16-le"
-    for each in (encoding, "cp1252"):
-        try:
-            return data.decode(each)
-        except UnicodeDecodeError:
-            continue
-    raise TableError(f"{path.name} is in no encoding that is known here: save it as CSV UTF-8")
+    try:
+        return decode_text(path.read_bytes())
+    except NotTextError as error:
+        raise TableError(f"{path.name}: {error}") from None
 
 
 def _without_hint(text: str) -> tuple[str, Sequence[str]]:

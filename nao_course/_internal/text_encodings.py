@@ -1,0 +1,68 @@
+"""One reader of text for all files that people made: class lists, sheets, graphs, logs, requests and notebooks."""
+
+from __future__ import annotations
+
+import codecs
+import re
+
+_MARKS = (  # UTF-32 first, because its mark begins with the one of UTF-16
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_BEYOND_ASCII = re.compile("[^\0-\x7f]")
+_CONTROL = re.compile("[\0-\x08\x0e-\x1f\x7f]")
+
+
+class NotTextError(ValueError):
+    """Bytes (`data`) that are not text in a known encoding; the message says how to save the file."""
+
+    def __init__(self, data: bytes | bytearray) -> None:
+        super().__init__("it is not text in UTF-8, UTF-16 or Windows-1252. Save it as UTF-8")
+        self.data = data
+
+
+def decode_text(data: bytes | bytearray) -> str:
+    r"""Decode text in UTF-8, UTF-16, UTF-32 or Windows-1252, with or without a byte order mark.
+
+    Parameters
+    ----------
+    data : bytes
+        Content of a file.
+
+    Returns
+    -------
+    str
+        The text without a byte order mark; its line ends are unchanged.
+
+    Raises
+    ------
+    NotTextError
+        If the bytes are not text in one of these encodings, or if two encodings are mixed in them.
+
+    Examples
+    --------
+    >>> decode_text("café".encode("utf-16")), decode_text("café".encode("cp1252"))
+    ('café', 'café')
+    >>> decode_text(b"\x89PNG\r\n\x1a\n")
+    Traceback (most recent call last):
+    nao_course._internal.text_encodings.NotTextError: it is not text in UTF-8, UTF-16 or Windows-1252. Save it as UTF-8
+    """
+    encodings = [name for mark, name in _MARKS if data.startswith(mark)]
+    if not encodings and b"\0" in data[:2]:
+        encodings = ["utf-16-be" if data[0] == 0 else "utf-16-le"]
+    for encoding in encodings[:1] or ("utf-8-sig", "cp1252"):
+        try:
+            text = data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" in text or (encoding == "cp1252" and (_CONTROL.search(text) or _has_utf_8(data))):
+            break
+        return text
+    raise NotTextError(data)
+
+
+def _has_utf_8(data: bytes | bytearray) -> bool:
+    """Return whether bytes that are not UTF-8 as a whole hold letters in UTF-8, as in two files that were joined."""
+    return bool(_BEYOND_ASCII.search(data.decode("utf-8", "ignore")))
