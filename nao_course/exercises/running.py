@@ -23,6 +23,7 @@ import numpy as np
 from nao_course._internal import time_limits
 from nao_course.codec import CodecError, Limits, decode, encode, register
 from nao_course.exercises.case import Case
+from nao_course.exercises.interactive import unattended
 
 Status = Literal[
     "value", "not attempted", "raised", "interrupted", "timed out", "died", "not found", "unsendable"
@@ -75,6 +76,8 @@ class Outcome:
         The beginning of the printed text, if that is kept.
     errors : tuple of str
         Names of an exception's class and of its base classes.
+    shown : tuple of str
+        Names of calls that would have shown something to a person and did nothing.
     """
 
     status: Status
@@ -84,6 +87,7 @@ class Outcome:
     changed: bool = False
     output: str = ""
     errors: tuple[str, ...] = ()
+    shown: tuple[str, ...] = ()
 
 
 def call(function: Callable[..., Any], case: Case, driver: str = "") -> Outcome:
@@ -224,13 +228,11 @@ def call_as_it_is(
         As in `codec.decode`.
     """
     args, kwargs = given = decode(frame, trusted=trusted)
-    if driver:
-        args = (function, *args)
-        function = find_driver(driver)
     try:
-        value = function(*args, **kwargs)
+        with unattended(function) as shown:
+            value = find_driver(driver)(function, *args, **kwargs) if driver else function(*args, **kwargs)
     except NotImplementedError as error:
-        return _not_written(error, args[0] if driver else function)
+        return _not_written(error, function)
     except Unsendable as error:
         return Outcome("unsendable", text=describe(error).partition(": ")[2])
     except KeyboardInterrupt:
@@ -239,7 +241,7 @@ def call_as_it_is(
         return Outcome("timed out")
     except BaseException as error:  # noqa: BLE001 - SystemExit, too, is an answer
         return _raised(error)
-    return Outcome("value", value, changed=_changed(given, frame, trusted=trusted))
+    return Outcome("value", value, changed=_changed(given, frame, trusted=trusted), shown=tuple(shown))
 
 
 def encoded(outcome: Outcome, limits: Limits | None = None, number: int | None = None) -> bytes:

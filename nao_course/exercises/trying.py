@@ -149,6 +149,8 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "line?",
     "missing 1 required positional argument": "That call has too few arguments. A tuple counts as one argument: a star "
     "before it, as in f(x, *limits), passes its values one by one.",
+    "SystemExit": "exit(), quit() and sys.exit() end Python, so there is no answer: leave a function with return.",
+    "BdbQuit": "A debugger has nobody to talk to in a check: remove it.",
     "high <= 0": "rng.integers excludes its upper end: pass the size itself, not one less.",
 }
 _PARTS = {  # names that lessons give to the parts of an argument

@@ -18,6 +18,7 @@ from nao_course.exercises.checking import grade_public, lessons, read_public, st
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
 from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
+from nao_course.exercises.interactive import unattended
 from nao_course.exercises.judging import CheckState, Report, with_the_reason
 from nao_course.exercises.lesson_names import PATTERN, meant, number_of
 from nao_course.exercises.running import TimeIsUp, alarm
@@ -386,5 +387,5 @@ def _definitions(path: Path, changed: int, others: tuple[int, ...]) -> Definitio
             return stand_in(use, not_usable(use, f"lesson {path.stem} comes first."))
         return earlier_in(path.parent)(use)
 
-    with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()), unattended():
         return load_definitions(path, earlier=before_this)

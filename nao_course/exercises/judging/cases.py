@@ -31,13 +31,14 @@ def answer(comparison: Comparison, call: Callable[[Case], Outcome], case: Case) 
         Outcome of the first call without a value; otherwise an outcome whose value is compared.
     """
     last = Outcome("value")
-    changed = False
+    changed, shown = False, dict[str, None]()
 
     def answers() -> Iterator[Any]:
         nonlocal last, changed
         for each in comparison.calls(case):
             last = call(each)
             changed |= last.changed
+            shown.update(dict.fromkeys(last.shown))
             if last.status != "value":
                 raise _NoAnswer
             yield last.value
@@ -46,7 +47,7 @@ def answer(comparison: Comparison, call: Callable[[Case], Outcome], case: Case) 
         gathered = comparison.gather(case, answers())
     except _NoAnswer:
         return last
-    return replace(last, value=gathered, changed=changed)
+    return replace(last, value=gathered, changed=changed, shown=tuple(shown))
 
 
 class _NoAnswer(Exception):  # noqa: N818 - no error: a call gave no value

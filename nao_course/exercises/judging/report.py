@@ -16,6 +16,7 @@ from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.exercises.exercise import Exercise, PublicExercise
+from nao_course.exercises.interactive import InteractiveCall, remark_on
 from nao_course.exercises.judging.cases import judge
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.trying import advice_on
@@ -129,6 +130,13 @@ def explain(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str)
     Report
         Report for the student.
     """
+    report = _explained(exercise, outcomes, stopped)
+    remark = remark_on(name for outcome in outcomes for name in outcome.shown)
+    return replace(report, lines=(*report.lines, remark)) if remark else report
+
+
+def _explained(exercise: PublicExercise, outcomes: Sequence[Outcome], stopped: str) -> Report:
+    """Report the outcomes without a remark on interactive calls."""
     title = f"{exercise.number} {exercise.name}"
     last = outcomes[-1]
     if last.status == "not attempted":
@@ -216,9 +224,11 @@ def _sentence(text: str) -> str:
 
 
 def _raises(text: str) -> str:
-    """Describe the exception of a case, or name the part that is not written yet."""
-    unwritten = re.fullmatch(r"NotImplementedError: ([\w.]+ is not written yet)", text)
-    return unwritten[1] if unwritten else f"your function raises {text}"
+    """Describe the exception of a case, or name the part that is not written yet or that needs a person."""
+    known = re.fullmatch(
+        rf"NotImplementedError: ([\w.]+ is not written yet)|{InteractiveCall.__name__}: (.*)", text
+    )
+    return known[1] or known[2] if known else f"your function raises {text}"
 
 
 def _input_at(case: Case, verdict: Verdict) -> list[str]:

@@ -19,6 +19,7 @@ from nao_course.exercises.cells import source_of
 from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.definitions import Skipped
 from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.interactive import InteractiveCall
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.collecting.files import LARGEST_READ, Files
 from nao_course.instructor.gradebook.records import ExerciseResult, State
@@ -26,6 +27,7 @@ from nao_course.instructor.sandbox.protocol import UNREADABLE
 from nao_course.instructor.sandbox.worker import TOO_OFTEN
 
 CHANGES_INPUT = "Your function changes its input. Return a new array instead."
+NEEDS_A_PERSON = "It waits for somebody at the keyboard. Remove calls such as input() and breakpoint()."
 # What students meet. Short: which name a call ends with may depend on a hidden input.
 _KNOWN_ERRORS = {
     *(
@@ -78,6 +80,8 @@ def describe_failure(name: str, outcome: Outcome, files: Files, seconds: float) 
     match outcome.status:
         case "raised":
             kind = outcome.text.split(":")[0]
+            if kind == InteractiveCall.__name__:
+                return HiddenResult("raised", 0, NEEDS_A_PERSON, own_line(outcome.line, files, name))
             kind = kind if kind in _KNOWN_ERRORS else "an exception of its own"
             return HiddenResult("raised", 0, f"It raises {kind}.", own_line(outcome.line, files, name))
         case "timed out":

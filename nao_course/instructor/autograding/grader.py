@@ -22,6 +22,7 @@ from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import NO_DEFINITION
 from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.interactive import remark_on
 from nao_course.exercises.judging import explain
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import Outcome
@@ -300,7 +301,10 @@ class SubmissionGrader:
     def public(self, exercise: PublicExercise) -> tuple[list[str], Outcome]:
         """Run an exercise's public cases: what the check says of them, and the last outcome without its value."""
         outcomes = list(self.outcomes(exercise, exercise.cases))
-        lines, last = self.explained(exercise, outcomes), replace(outcomes[-1], value=None)
+        lines = self.explained(exercise, outcomes)
+        last = replace(
+            outcomes[-1], value=None, shown=tuple(name for each in outcomes for name in each.shown)
+        )
         if exercise.earlier and (passed := how_many_pass(exercise, outcomes)) < len(exercise.cases):
             # As in the notebook, recorded answers are used where earlier work is not usable.
             self.stand_in(recorded(exercise, self.allowances.recorded))
@@ -316,6 +320,7 @@ class SubmissionGrader:
         hopeless = last.status in ("not attempted", "not found", "timed out", "died")
         hidden = self.failure(task, last) if hopeless else self.hidden(task)
         right = hidden.state == "right"
+        notes = [CHANGES_INPUT if right and hidden.changed else "", remark_on(last.shown) if right else ""]
         return ExerciseResult(
             task.public.name,
             task.public.number,
@@ -329,7 +334,7 @@ class SubmissionGrader:
             tuple(line for line in lines if line != hint),
             hint,
             task.mistakes.get(hint, ""),
-            notes=(CHANGES_INPUT,) if right and hidden.changed else task.notes_on(hidden.parts),
+            notes=tuple(filter(None, notes)) or task.notes_on(hidden.parts),
         )
 
     def explained(self, exercise: PublicExercise, outcomes: Sequence[Outcome]) -> list[str]:

@@ -392,9 +392,15 @@ def _well_formed(outcome: Any) -> bool:
     """Return True if all fields of an untrusted outcome have the right types."""
     match outcome:
         case Outcome(
-            status=str(status), text=str(), line=str(), changed=bool(), output=str(), errors=tuple(errors)
+            status=str(status),
+            text=str(),
+            line=str(),
+            changed=bool(),
+            output=str(),
+            errors=tuple(errors),
+            shown=tuple(shown),
         ):
-            return status in _SAID and all(isinstance(each, str) for each in errors)
+            return status in _SAID and all(isinstance(each, str) for each in (*errors, *shown))
     return False
 
 

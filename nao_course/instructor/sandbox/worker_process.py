@@ -19,6 +19,7 @@ from typing import Any, NoReturn
 from nao_course.codec import PREFIX_SIZE, decode, encode, frame_lengths
 from nao_course.exercises.definitions import Definitions, Skipped, load_definitions, without_outputs
 from nao_course.exercises.earlier import not_usable, split_use, stand_in
+from nao_course.exercises.interactive import unattended
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import call_as_it_is, encoded
 from nao_course.instructor.sandbox.confinement import Bounds, limit_resources
@@ -138,9 +139,10 @@ class RequestLoop:
         """Load a notebook's definitions, again without each statement that took all memory: it may hold it."""
         greedy: dict[tuple[int, int], Skipped] = {}
         while True:
-            found = load_definitions(
-                notebook, self.before(left_out | set(greedy)), setup, self.stand_in, instead
-            )
+            with unattended():
+                found = load_definitions(
+                    notebook, self.before(left_out | set(greedy)), setup, self.stand_in, instead
+                )
             told = [greedy.get((each.cell, each.line), each) for each in found.skipped]
             # Only the first one: later statements may have found no memory because of it.
             first = next((each for each in found.skipped if each.reason.startswith(_NO_MEMORY)), None)
