@@ -27,7 +27,7 @@ from nao_course.instructor.sandbox.protocol import UNREADABLE
 from nao_course.instructor.sandbox.worker import TOO_OFTEN
 
 CHANGES_INPUT = "Your function changes its input. Return a new array instead."
-NEEDS_A_PERSON = "It waits for somebody at the keyboard. Remove calls such as input() and breakpoint()."
+NEEDS_A_PERSON = "It waits for a person at the keyboard. Remove calls such as input() and breakpoint()."
 # What students meet. Short: which name a call ends with may depend on a hidden input.
 _KNOWN_ERRORS = {
     *(
