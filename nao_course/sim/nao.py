@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -233,8 +235,7 @@ class SimulatedNao:
         if not isinstance(start, Pose):
             raise ValueError(f"pose must be a Pose(x, y, theta), got {start!r}")
         generator = _generator(rng)
-        if not self._on_carpet(start):
-            raise ValueError(f"pose must be on the carpet, {self.field.carpet} (m), got {start}")
+        _check_on_carpet(self.field, start)
         self._world = _World(self.field, start, generator, [start])
         self._head = (0.0, float(np.radians(-31.0)))
         self._odometry = [Pose()]
@@ -391,6 +392,19 @@ class SimulatedNao:
 
     # --- simulation ---
 
+    @contextmanager
+    def aside(self, rng: np.random.Generator) -> Iterator[None]:
+        """Draw the noise of pictures and measurements in the block from `rng`: they do not change later motions.
+
+        The robot's own generator serves its pictures, its measurements and its motions, so an additional picture, which
+        is only shown, would otherwise change where the robot drives next.
+        """
+        own, self._world.rng = self._world.rng, rng
+        try:
+            yield
+        finally:
+            self._world.rng = own
+
     def _true_view(self, camera: str, size: tuple[int, int]) -> CameraView:
         self.model.check_camera(camera)
         rng = self._world.rng
@@ -418,21 +432,27 @@ class SimulatedNao:
 
     def _reach(self, old: Pose, step: FloatArray) -> float:
         """Return the fraction of a step that stays on the carpet, by bisection, because the carpet is convex."""
-        if self._on_carpet(old @ Pose(step[0], step[1], 0.0)):
+        if _is_on_carpet(self.field, old @ Pose(step[0], step[1], 0.0)):
             return 1.0
         low, high = 0.0, 1.0
         for _ in range(40):
             half = (low + high) / 2
-            if self._on_carpet(old @ Pose(half * step[0], half * step[1], 0.0)):
+            if _is_on_carpet(self.field, old @ Pose(half * step[0], half * step[1], 0.0)):
                 low = half
             else:
                 high = half
         return low
 
-    def _on_carpet(self, pose: Pose) -> bool:
-        x0, y0, x1, y1 = self.field.carpet
-        x, y = self.field.pose.to_local([pose.x, pose.y])[0]
-        return bool(x0 <= x <= x1 and y0 <= y <= y1)
+
+def _is_on_carpet(field: Field, pose: Pose) -> bool:
+    x0, y0, x1, y1 = field.carpet
+    x, y = field.pose.to_local([pose.x, pose.y])[0]
+    return bool(x0 <= x <= x1 and y0 <= y <= y1)
+
+
+def _check_on_carpet(field: Field, pose: Pose) -> None:
+    if not _is_on_carpet(field, pose):
+        raise ValueError(f"pose must be on the carpet, {field.carpet} (m), got {pose}")
 
 
 class Truth:
@@ -481,6 +501,13 @@ class Truth:
         return self._world.last
 
     def place(self, pose: Pose) -> None:
-        """Put the robot at another pose without changing its odometry."""
+        """Put the robot at another pose on the carpet without changing its odometry: a kidnapping.
+
+        Raises
+        ------
+        ValueError
+            If the pose is off the carpet, from where no motion leads back.
+        """
+        _check_on_carpet(self._world.field, pose)
         self._world.pose = pose
         self._world.path.append(pose)

@@ -180,6 +180,15 @@ def test_the_same_seed_gives_the_same_day_and_another_seed_another():
     assert day(7) != day(8)
 
 
+def test_what_is_measured_aside_does_not_change_the_drive():
+    quiet, watched = SimulatedNao(rng=5), SimulatedNao(rng=5)
+    with watched.aside(np.random.default_rng(1)):
+        watched.take_picture("top")
+        aside = watched.sense()
+    assert aside != quiet.sense() and watched.sense() == SimulatedNao(rng=5).sense()
+    assert watched.walk(1.0) == quiet.walk(1.0) and Truth(watched).pose == Truth(quiet).pose
+
+
 def test_the_robot_stops_at_the_edge_of_the_carpet_and_its_odometry_does_not_notice():
     nao = SimulatedNao(**EXACT)
     nao.walk(9.0)
@@ -212,6 +221,7 @@ def test_a_moved_field_takes_its_robot_along():
         (lambda nao: SimulatedNao(pose=Pose(np.nan, 0, 0)), "Pose: x .m. must be a finite number, got nan"),
         (lambda nao: SimulatedNao(pose=(0, 0, 0)), r"pose must be a Pose\(x, y, theta\)"),
         (lambda nao: SimulatedNao(pose=Pose(30, 0, 0)), "on the carpet"),
+        (lambda nao: Truth(nao).place(Pose(30, 0, 0)), "on the carpet"),
         (lambda nao: SimulatedNao(rng="seven"), "rng must be"),
         (lambda nao: nao.take_picture("left"), r"camera must be one of \['bottom', 'top'\], got 'left'"),
         (lambda nao: nao.take_picture(size=(0, 0)), r"size must be \(width, height\)"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from dataclasses import dataclass, field
 from typing import Any, cast
 
@@ -18,6 +17,7 @@ from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, Sta
 STEP, TURN = 0.25, np.radians(20)  # m, rad: either distance adds a new pose to the graph
 GATE = 0.4  # m: a landmark of the same kind that is nearer is the same one
 MOTION_EPSILON = 0.004  # m^2 for each metre; a tenth of it is added to each step
+SEED = 81  # of the measurements' noise
 MEASUREMENT_EPSILON = 0.002  # m^2 for a range of one metre; it grows with its square
 
 
@@ -112,12 +112,6 @@ def _measure(graph: _Graph, pose: int, heading: float, seen: tuple[Measurement, 
         graph.measured += 1
 
 
-def _as_seen_by_a_copy(nao: SimulatedNao, camera: str) -> tuple[Measurement, ...]:
-    """Return the ideal detector's measurements, by a copy: measuring must not change how the robot slips next."""
-    shared = {id(part): part for part in (nao.model, nao.field, nao.reality)}
-    return copy.deepcopy(nao, shared).sense(camera)
-
-
 def _is_new(graph: _Graph, odometry: Pose) -> bool:
     """Return whether the robot is far enough from its last pose in the graph."""
     if not graph.odometry:
@@ -128,12 +122,13 @@ def _is_new(graph: _Graph, odometry: Pose) -> bool:
 
 def _map_the_drive(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     """Fill two systems with the robot's motions and measurements, and solve them."""
-    graph, truth = _Graph(student), Truth(nao)
+    graph, truth, rng = _Graph(student), Truth(nao), np.random.default_rng(SEED)
 
     def look(frame: Frame) -> Overlay:
         odometry = nao.odometry
         if _is_new(graph, odometry):
-            seen = _as_seen_by_a_copy(nao, frame.picture.camera)
+            with nao.aside(rng):  # measuring must not change how the robot slips next
+                seen = nao.sense(frame.picture.camera)
             pose = _start_or_move(graph, odometry)
             _measure(graph, pose, odometry.theta, seen)
             graph.solved()

@@ -7,7 +7,7 @@ import numpy as np
 from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.localization.drives import REACH, LandmarkMeasurement, predicted, updated
-from nao_course.sim import Picture, SimulatedNao, Truth
+from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import Estimate
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.named_landmarks import measure_by_name, new_commands
@@ -23,15 +23,13 @@ def _localise(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     truth, rng = Truth(nao), np.random.default_rng(SEED)
     places = nao.field.pose.to_parent(nao.field.detectable_positions)
     pose, covariance, done = truth.odometry_start.as_array() + START_ERROR, START_COVARIANCE, 0
-    last: tuple[Picture, Overlay] | None = None
+    begun = False
 
     def look(frame: Frame) -> Overlay:
-        nonlocal pose, covariance, done, last
-        if last is None and len(nao.odometry_path) == 1:
-            start = _overlay(pose, covariance, "the estimate at the start; the next picture corrects it")
-            last = frame.picture, start
-        if last is not None and last[0] is frame.picture:  # another view of it is not another measurement
-            return last[1]
+        nonlocal pose, covariance, done, begun
+        if not begun and len(nao.odometry_path) == 1:
+            begun = True
+            return _overlay(pose, covariance, "the estimate at the start; the next picture corrects it")
         now, now_covariance, commands = pose, covariance, new_commands(nao, done)
         for command in commands:
             now, now_covariance = predicted(
@@ -43,9 +41,7 @@ def _localise(student: StudentCode, nao: SimulatedNao) -> StageFunction:
                 student.localize, now, now_covariance, LandmarkMeasurement(place, *measured)
             )
         pose, covariance, done = now, now_covariance, done + len(commands)
-        corrected = _overlay(now, now_covariance, say_count(len(seen.numbers), "landmark"), seen.pixels)
-        last = frame.picture, corrected
-        return corrected
+        return _overlay(now, now_covariance, say_count(len(seen.numbers), "landmark"), seen.pixels)
 
     return look
 

@@ -16,12 +16,14 @@ from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.named_landmarks import new_motions
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
+SEED = 111  # of the measurements' noise, where the simulator makes them
+
 
 def _follow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     """Start at the robot's known pose, follow the commands, and update with each picture once."""
     truth = Truth(nao)
     slam = student.EkfSlam(truth.odometry_start, nao.odometry_noise)
-    done, board = 0, Board()
+    done, board, rng = 0, Board(), np.random.default_rng(SEED)
 
     def look(frame: Frame) -> Overlay:
         nonlocal done
@@ -29,7 +31,8 @@ def _follow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
         for motion in motions:
             slam.move(motion)
         done += len(motions)
-        seen, whose = _seen(student, nao, frame)
+        with nao.aside(rng):  # measuring must not change how the robot slips next
+            seen, whose = _seen(student, nao, frame)
         slam.observe(seen)
         estimate = slam.estimate()
         if not isinstance(estimate, Estimate):

@@ -83,6 +83,8 @@ class Cockpit:
         Measurements from the robot's present pose.
     pictures : dict of str to Picture
         The latest picture of each camera.
+    outdated : set of str
+        Cameras whose latest picture is older than the robot's latest motion.
     album : deque of Picture
         Pictures that `take_picture` kept, the newest last.
     frames : int
@@ -124,6 +126,7 @@ class Cockpit:
         self.seen: tuple[Measurement, ...] = ()
         self.pictures: dict[str, Picture] = {}
         self.album: deque[Picture] = deque(maxlen=KEPT_PICTURES)
+        self.outdated: set[str] = set()
         self.frames = self.moves = 0
         self.walked = 0.0
         self.message = ""
@@ -150,7 +153,7 @@ class Cockpit:
         done = self.nao.walk(motion.distance) if motion.distance else self.nao.turn(motion.turn)
         self.walked += abs(motion.distance)
         self.odometry.append(self.start @ self.nao.odometry)
-        self.seen = NOTHING
+        self.seen, self.outdated = NOTHING, set(CAMERAS)
         if self.slam is None:
             return True
         return self._try("move", lambda: self._slam.move(done)).done and self._update_estimate()
@@ -161,7 +164,7 @@ class Cockpit:
         limits = (self.nao.model.yaw_limits, self.nao.model.pitch_limits)
         reached = [float(np.clip(angle, *limit)) for angle, limit in zip(target, limits, strict=True)]
         self.nao.look(*reached)
-        self.seen = NOTHING
+        self.seen, self.outdated = NOTHING, set(CAMERAS)
         words = f"yaw {np.degrees(reached[0]):z.0f}°, pitch {np.degrees(reached[1]):z.0f}°"
         limited = not np.allclose(target, reached, atol=1e-6)
         self.say(f"Head at {words}: a joint is at its limit." if limited else f"Head at {words}.")
@@ -171,8 +174,16 @@ class Cockpit:
         picture = self.nao.take_picture(camera, size)
         self.pictures[camera] = picture
         self._truths[camera] = None if self.truth is None else self.truth.picture
+        self.outdated.discard(camera)
         self.frames += 1
         return picture
+
+    def glance(self, camera: str) -> None:
+        """Take a live picture if the robot has moved since the last one, without an effect on its later motions."""
+        if camera in self.outdated:
+            seed = len(self.nao.odometry_path), CAMERAS.index(camera)
+            with self.nao.aside(np.random.default_rng(seed)):
+                self.photograph(camera)
 
     def take_picture(self, camera: str = "bottom", size: tuple[int, int] = LIVE_SIZE) -> Picture:
         """Take a picture and keep it in the album."""

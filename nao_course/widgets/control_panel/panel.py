@@ -121,7 +121,7 @@ class ControlPanel:
             lambda: self._drive.waiting_text(),
         )
         self._drive = MotionRunner(
-            self.cockpit, lambda: self._own.seen.motion, self._screen.refresh, self._screen.show_status
+            self.cockpit, lambda: self._own.latest.motion, self._screen.refresh, self._screen.show_status
         )
         self._controls.show_truth.observe(lambda change: self._screen.show(), "value")
         self._controls.camera.observe(lambda change: self._guarded(self._screen.show_chosen), "value")
@@ -153,7 +153,7 @@ class ControlPanel:
     def explore(self, moves: int = 20) -> None:
         """Run at most `moves` motions that your code chooses; stop when it chooses none."""
         for _ in range(moves):
-            if (motion := self._own.seen.motion) is not None:
+            if (motion := self._own.latest.motion) is not None:
                 self._drive.run(motion)
 
     def turn_head(self, yaw: float = 0.0, pitch: float = 0.0) -> None:
@@ -166,7 +166,8 @@ class ControlPanel:
         self.turn_head(*np.subtract(self._first_head, self.cockpit.nao.head))
 
     def take_picture(self) -> Picture:
-        """Take a picture with the chosen camera and size, and keep it."""
+        """Take a picture with the chosen camera and size, and keep it; functions that took too long run again."""
+        self._own.retry()
         picture = self.cockpit.take_picture(self.camera, self.size)
         self._screen.show_chosen()
         return picture
@@ -324,13 +325,8 @@ class ControlPanel:
             "slam": self.run_slam,
             "view": self._next_view,
             "world": self._next_face,
-            "itself": self._go_by_itself,
+            "itself": lambda: self._drive.go_by_itself(),
         }
-
-    def _go_by_itself(self) -> None:
-        """Run the motions that the student's code chooses until Stop is pressed."""
-        self.view = "over" if self.view == "picture" else self.view
-        self._drive.go_by_itself()
 
     def _next_face(self) -> None:
         self._screen.switch_face()

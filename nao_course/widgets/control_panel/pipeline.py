@@ -379,7 +379,9 @@ class Pipeline:
 
     def _complaint(self, stage: Stage, message: str, took_too_long: bool) -> str:
         if took_too_long or stage.name not in self._wired:
-            message = f"{message} The robot drives on without {stage.name}. Correct your code, then press V."
+            message = (
+                f"{message} The robot drives on without {stage.name}. Correct your code, then take a picture."
+            )
             self._skipped[stage.name] = f"Without {stage.name}: {message}"
         return f"Without {stage.name}: {message}"
 

@@ -61,7 +61,6 @@ class Screen:
         self._names, self._source, self._waiting = names, source, waiting
         self._world: WorldView | None = None  # made when it is first chosen
         self._in_3d = False
-        self._stale: set[str] = set()  # cameras whose latest picture is older than the latest step
 
     @property
     def _camera(self) -> str:
@@ -72,25 +71,15 @@ class Screen:
         return bool(self._controls.show_truth.value)
 
     def refresh(self) -> None:
-        """Take the pictures that are visible, the chosen camera's first, and show everything."""
-        for camera in sorted(CAMERAS, key=lambda each: each != self._camera):
-            if self._own.hides(camera, self._camera):
-                self._stale.add(camera)
-            else:
-                self._cockpit.photograph(camera)
-                self._stale.discard(camera)
-            if camera == self._camera:
-                self._perceive()
-            self._show_picture(camera)
-        self._show_map()
-        self.show_status()
+        """Take a picture with the chosen camera, perceive it, and show everything."""
+        self._cockpit.photograph(self._camera)
+        self.show_chosen()
 
     def show_chosen(self) -> None:
-        """Show everything again after a new choice of camera, view or size, or after a picture was taken."""
-        for camera in sorted(self._stale):
-            self._cockpit.photograph(camera)
-        self._stale.clear()
-        self._perceive()
+        """Perceive the chosen camera's picture unless that was done already, and show everything."""
+        self._cockpit.glance(self._camera)
+        error = self._own.perceive(self._cockpit.pictures[self._camera])
+        self._cockpit.error = error or self._cockpit.error
         self.show()
 
     def show(self) -> None:
@@ -98,13 +87,15 @@ class Screen:
         if self._controls.view is not None:
             self._controls.view.description = VIEWS[self._own.view]
         for camera in CAMERAS:
+            if not self._own.hides(camera, self._camera):
+                self._cockpit.glance(camera)
             self._show_picture(camera)
         self._show_map()
         self.show_status()
 
     def show_status(self) -> None:
         """Show the numbers, the messages of the drive and of the student's functions, and the facts."""
-        cockpit, seen = self._cockpit, self._own.seen
+        cockpit, seen = self._cockpit, self._own.latest
         self._show_numbers()
         alarm = cockpit.alarm or bool(seen.complaints)
         finish = "" if alarm else self._finish()
@@ -132,7 +123,7 @@ class Screen:
 
     def _finish(self) -> str:
         """Return what is complete and what it took; empty if nothing is."""
-        cockpit, finish = self._cockpit, self._own.seen.finish
+        cockpit, finish = self._cockpit, self._own.latest.finish
         if not finish or not cockpit.moves:
             return ""
         said = f"{finish}: {cockpit.walked:.1f} m in {say_count(cockpit.moves, 'move')}"
@@ -148,7 +139,7 @@ class Screen:
     def summary(self) -> str:
         """Return the display's contents as text."""
         *facts, status = self._cockpit.summary(self._with_truth).splitlines()
-        seen = self._own.seen
+        seen = self._own.latest
         return "\n".join([*facts, *self._own.ready(), *seen.lines(), *seen.complaints, status])
 
     def drawing(self) -> Drawing:
@@ -157,10 +148,6 @@ class Screen:
         pictures = {whose or f"{camera} camera": pixels for camera, pixels, whose in views}
         alt = f"Control panel: {'; '.join(self.summary().splitlines())}"
         return draw_still(pictures, self._cockpit.nao.field, self.contents(), self._names, alt)
-
-    def _perceive(self) -> None:
-        error = self._own.perceive(self._cockpit.pictures[self._camera])
-        self._cockpit.error = error or self._cockpit.error
 
     def shown(self, camera: str) -> tuple[Any, str]:
         """Return the pixels for a camera's place, and a caption if they show more than its picture."""
@@ -207,7 +194,7 @@ class Screen:
 
     def estimate(self) -> Estimate | None:
         """Return the estimate of the panel's algorithm, else of the student's functions; None without one."""
-        return self._cockpit.estimate if self._cockpit.slam is not None else self._own.seen.estimate
+        return self._cockpit.estimate if self._cockpit.slam is not None else self._own.latest.estimate
 
     def contents(self) -> MapContents:
         """Return the contents of the map."""
@@ -228,8 +215,8 @@ class Screen:
             estimate,
             cockpit.seen,
             observer,
-            own.seen.points,
-            own.seen.cells,
+            own.latest.points,
+            own.latest.cells,
             (view.yaw, view.hfov / 2),
         )
 

@@ -13,6 +13,9 @@ from nao_course.widgets.control_panel.pipeline import VIEWS, Pipeline, Seen, Vie
 class StudentView:
     """The results of the student's functions for the pictures, and where the panel shows them.
 
+    Each picture is processed once. Another view of it shows the same results, because a filter that is updated twice
+    with one picture becomes overconfident.
+
     Parameters
     ----------
     pipeline : Pipeline or None
@@ -20,8 +23,8 @@ class StudentView:
 
     Attributes
     ----------
-    seen : Seen
-        Results for the latest picture.
+    latest : Seen
+        Results for the picture that was processed last: the estimate, the next motion and the messages.
     path : list of Pose
         The estimated poses, oldest first.
     """
@@ -30,7 +33,8 @@ class StudentView:
         """Begin with the view "over" if a function is ready, else with the picture alone."""
         self._pipeline = pipeline
         self._view: View = "over" if self.available else "picture"
-        self.seen = Seen()
+        self.latest = Seen()
+        self._results: dict[str, tuple[Picture, Seen]] = {}  # for the last processed picture of each camera
         self.path: list[Pose] = []
 
     @property
@@ -62,7 +66,6 @@ class StudentView:
                 "this panel has none of your functions, so it can show only the picture: make it with my_nao()"
             )
         self._view = view
-        self._pipeline.retry()
 
     @property
     def next_view(self) -> View:
@@ -70,33 +73,42 @@ class StudentView:
         views = list(VIEWS)
         return views[(views.index(self._view) + 1) % len(views)]
 
+    def retry(self) -> None:
+        """Run functions that took too long again, from the next picture on."""
+        if self._pipeline is not None:
+            self._pipeline.retry()
+
     def perceive(self, picture: Picture) -> BaseException | None:
-        """Run the functions on a picture, unless only the picture is shown; return the last exception."""
-        if self._pipeline is None or self._view == "picture":
-            self.seen = Seen()
+        """Run the functions on a picture unless they have processed it already; return the last exception."""
+        if self._pipeline is None or picture is self._results.get(picture.camera, (None,))[0]:
             return None
-        self.seen = self._pipeline.process(picture)
-        if self.seen.estimate is not None:
-            self.path.append(self.seen.estimate.pose)
-        return self.seen.error
+        self.latest = self._pipeline.process(picture)
+        self._results[picture.camera] = picture, self.latest
+        if self.latest.estimate is not None:
+            self.path.append(self.latest.estimate.pose)
+        return self.latest.error
+
+    def _seen(self, camera: str) -> Seen:
+        return self._results[camera][1] if camera in self._results else Seen()
 
     def hides(self, camera: str, chosen: str) -> bool:
         """Return whether the results replace a camera's picture."""
-        return self._view == "beside" and camera != chosen and bool(self.seen.names)
+        return self._view == "beside" and camera != chosen and bool(self._seen(chosen).names)
 
     def shown(self, camera: str, chosen: str, pictures: Mapping[str, Picture]) -> tuple[Any, str]:
         """Return the pixels for a camera's place, and a caption if they show more than its picture."""
-        pixels, names = pictures[camera].pixels, self.seen.names
-        if names and self._view == "over" and camera == chosen:
-            return self.seen.over(pixels), f"{camera} camera, your {names}"
+        pixels, seen = pictures[camera].pixels, self._seen(chosen)
+        if seen.names and self._view == "over" and camera == chosen:
+            return seen.over(pixels), f"{camera} camera, your {seen.names}"
         if self.hides(camera, chosen):
-            return self.seen.alone(pictures[chosen].pixels), f"your {names}"
+            return seen.alone(pictures[chosen].pixels), f"your {seen.names}"
         return pixels, ""
 
     def live(self, camera: str, chosen: str, pictures: Mapping[str, Picture]) -> tuple[Any, str]:
         """Return the same for the page, with a short caption for the inset and with marks on the large picture."""
-        if camera == chosen and self._view == "beside" and self.seen.names:
-            return self.seen.marked(pictures[camera].pixels), f"{camera} camera, your marks"
+        seen = self._seen(chosen)
+        if camera == chosen and self._view == "beside" and seen.names:
+            return seen.marked(pictures[camera].pixels), f"{camera} camera, your marks"
         pixels, caption = self.shown(camera, chosen, pictures)
         return pixels, "your view" if self.hides(camera, chosen) else caption
 

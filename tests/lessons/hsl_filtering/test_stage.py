@@ -24,7 +24,7 @@ def test_it_uses_exercises_of_its_lesson():
 @pytest.mark.parametrize("pose", [Pose(0.6, 0.5, -0.25), Pose(1.2, -0.5, 0.6)])
 def test_the_labels_are_the_lessons_and_mostly_true(pose):
     panel = panel_of(SimulatedNao(pose=pose, rng=41))
-    labels = panel._own.seen.overlays["labels"].result
+    labels = panel._own.latest.overlays["labels"].result
     truth = panel.cockpit.picture_truth("bottom").labels
     carpet = truth == 1
     assert np.mean(labels[carpet] == 1) > 0.85
@@ -34,7 +34,7 @@ def test_the_labels_are_the_lessons_and_mostly_true(pose):
 
 def test_other_pixels_of_the_picture_stay_as_they_are():
     panel = panel_of(SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=41))
-    labels = panel._own.seen.overlays["labels"].result
+    labels = panel._own.latest.overlays["labels"].result
     pixels = panel.cockpit.pictures["bottom"].pixels
     shown, _ = panel._screen.shown("bottom")
     assert np.array_equal(shown[labels == 0], pixels[labels == 0])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
-from nao_course.sim import NAO_V4, Picture, Truth
+from nao_course.sim import NAO_V4, Picture, SimulatedNao, Truth
 from nao_course.slam import Estimate, Motion
 from nao_course.widgets.control_panel import ControlPanel, Overlay, Pipeline, Stage
 from nao_course.widgets.control_panel import pipeline as module
@@ -48,9 +48,9 @@ def to_ground(pixels, view):
     return [(1.0, 0.0), (1.0, 0.5)]
 
 
-def make(stages=(BRIGHT, GROUND), *, pose=None, missing=None, time_limit=60.0, **functions):
+def make(stages=(BRIGHT, GROUND), *, pose=None, nao=None, missing=None, time_limit=60.0, **functions):
     functions = {"brightest": brightest, "to_ground": to_ground, **functions}
-    nao = clean_nao(pose=pose or Pose(0.6, 0.5, -0.25))
+    nao = nao or clean_nao(pose=pose or Pose(0.6, 0.5, -0.25))
     return ControlPanel(nao, Truth(nao), pipeline=Pipeline(stages, functions, nao, missing, time_limit))
 
 
@@ -86,18 +86,44 @@ def test_beside_the_picture_is_the_other_cameras_place():
     assert "<b>Your view</b>" in panel._controls.captions["top"].value
 
 
-def test_a_picture_that_nobody_sees_is_not_taken_and_is_up_to_date_when_it_is_looked_at():
-    panel = make()
-    panel.view = "beside"
-    frames, before = panel.cockpit.frames, panel.cockpit.pictures["top"]
-    panel.forward(0.1)
-    assert panel.cockpit.frames == frames + 2  # steps, of the bottom camera alone
-    assert panel.cockpit.pictures["top"] is before
+def drive(views):
+    """A short drive with a filter that counts its updates, and the views that were chosen after each step."""
+
+    def counting(student, nao):
+        updates = []
+
+        def look(frame):
+            with nao.aside(np.random.default_rng(1)):
+                updates.append(nao.sense(frame.picture.camera))
+            pose = Pose(len(updates), 0.0, 0.0)
+            return Overlay(
+                estimate=Estimate(pose, np.eye(3) / len(updates), np.empty((0, 2)), np.empty((0, 2, 2)))
+            )
+
+        return look
+
+    stage = Stage("filter", "92_toy", (), counting, estimates=True)
+    panel = make((BRIGHT, stage), nao=SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=41))
+    for _ in range(3):
+        panel.forward(0.05)
+        for view in views:
+            panel.view = view
+    panel.camera = "top"
     panel.view = "over"
-    assert panel.cockpit.pictures["top"] is not before
-    newest = panel.cockpit.pictures["top"]
-    panel.view = "picture"
-    assert panel.cockpit.pictures["top"] is newest
+    return panel
+
+
+@pytest.mark.parametrize("views", [("beside", "picture", "over"), ("picture",), ("beside",)])
+def test_a_view_changes_neither_the_estimate_nor_where_the_robot_drives(views):
+    changed, left_alone = drive(views), drive(())
+    assert len(left_alone._own.path) == 5  # the first picture, three steps, and the other camera
+    assert changed._own.path == left_alone._own.path
+    assert changed.cockpit.truth.pose == left_alone.cockpit.truth.pose
+    for camera in ("top", "bottom"):
+        pictures = (each.cockpit.pictures[camera].pixels for each in (changed, left_alone))
+        assert np.array_equal(*pictures)
+    changed.camera = "bottom"  # its picture has been processed already
+    assert changed._own.path == left_alone._own.path
 
 
 def test_the_button_goes_round_the_views_and_says_which_it_is():
@@ -113,15 +139,6 @@ def test_the_button_goes_round_the_views_and_says_which_it_is():
     assert "arrowup" in keys and "V changes the view" in keys
 
 
-def test_in_the_view_of_the_picture_alone_the_students_code_is_not_asked():
-    calls = []
-    panel = make(brightest=lambda picture: calls.append(1) or brightest(picture))
-    panel.view = "picture"
-    calls.clear()
-    panel.forward(0.1)
-    assert calls == [] and panel._screen.contents().points.shape == (0, 2)
-
-
 def test_each_step_of_a_drive_is_looked_at_once_with_the_picture_that_is_shown():
     looked = []
     panel = make(brightest=lambda picture: looked.append(picture) or brightest(picture))
@@ -133,8 +150,7 @@ def test_each_step_of_a_drive_is_looked_at_once_with_the_picture_that_is_shown()
 
 def test_points_of_a_later_stage_stand_on_the_map_in_front_of_the_odometrys_robot():
     panel = make(pose=Pose(0.5, 0.0, np.pi / 2))
-    bare = make(pose=Pose(0.5, 0.0, np.pi / 2))
-    bare.view = "picture"
+    bare = make((), pose=Pose(0.5, 0.0, np.pi / 2))
     assert np.allclose(panel._screen.contents().points, [(1.0, 0.0), (1.0, 0.5)])
     assert panel._screen._map._sent["points"] == [500, 1000, 0, 1000]  # mm on the map
     assert bare._screen._map._sent.get("points", []) == []
@@ -261,7 +277,7 @@ def test_one_bad_picture_costs_that_picture_only():
     assert pipeline.process(PICTURE).complaints == ()
 
 
-def test_a_function_that_never_ends_is_left_out_until_the_view_is_changed():
+def test_a_function_that_never_ends_is_left_out_until_a_picture_is_taken():
     calls = []
 
     def endless(picture):
@@ -271,11 +287,13 @@ def test_a_function_that_never_ends_is_left_out_until_the_view_is_changed():
         return brightest(picture)
 
     panel = make(brightest=endless, time_limit=1.0)
-    assert "Time is up: brightest()" in panel.summary() and "press V" in panel.summary()
+    assert "Time is up: brightest()" in panel.summary() and "take a picture" in panel.summary()
     panel._own._pipeline.time_limit = 60.0
     panel.forward(0.1)
     assert len(calls) == 1 and "Walk 0.10 m ahead: done." in panel.summary()
     press(panel, "view")
+    assert len(calls) == 1
+    press(panel, "picture")
     assert len(calls) == 2 and "Without bright" not in panel.summary()
 
 
@@ -372,7 +390,6 @@ def driven_by_itself(panel, until):
 
 def test_a_press_lets_it_go_by_itself_until_it_wants_nothing_more():
     panel = make((wander(0.2),))
-    panel.view = "picture"  # nobody looks along until the button is pressed
     driven_by_itself(panel, lambda: False)
     assert panel.cockpit.nao.odometry.x == pytest.approx(0.2) and not panel.driving
 
