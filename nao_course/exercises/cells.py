@@ -7,6 +7,10 @@ from typing import Any
 
 # Roles of cells that only display something and define nothing.
 SHOWN = ("display", "example", "payoff")
+# Roles of cells that the grader does not run, and of all cells that a student does not write. A cell with any other
+# role, also an unknown one, is the student's.
+NOT_RUN = ("check", *SHOWN)
+GIVEN = ("setup", *NOT_RUN)
 
 
 def metadata(part: Mapping[str, Any], key: str) -> dict[str, Any]:

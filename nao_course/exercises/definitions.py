@@ -18,7 +18,7 @@ from typing import Any
 
 from nao_course._internal.text_encodings import NotTextError, decode_text
 from nao_course.exercises import earlier as earlier_lessons
-from nao_course.exercises.cells import SHOWN, grade_id, is_graded, is_solution, metadata, source_of
+from nao_course.exercises.cells import GIVEN, NOT_RUN, grade_id, is_graded, is_solution, metadata, source_of
 from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 
 MOST_BYTES = 50 * 2**20
@@ -186,12 +186,12 @@ def load_definitions(
     skipped: list[Skipped] = []
     flags = 0
     for number, (role, source) in enumerate([("setup", setup), *text.cells, ("instead", "pass")]):
-        if role in ("check", *SHOWN) or not source.strip():
+        if role in NOT_RUN or not source.strip():
             continue
         file = f"<{Path(path).stem}, cell {number}>"
         linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
         try:
-            statements = _parse(source, file)
+            statements = parse(source, file)
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             skipped.append(Skipped(number, getattr(error, "lineno", 0) or 0, describe(error)))
             continue
@@ -248,13 +248,13 @@ def demonstrated(cells: Sequence[tuple[str, str]]) -> list[str]:
     """
     shown, run = set[str](), set[str]()
     for role, source in cells:
-        (shown if role in ("setup", "check", *SHOWN) else run).update(_assigned(source))
+        (shown if role in GIVEN else run).update(_assigned(source))
     return sorted(shown - run)
 
 
 def _assigned(source: str) -> Iterator[str]:
     """Yield the names that a cell assigns or defines, without its imports and its functions of earlier lessons."""
-    for statement in _parse(source, "<cell>"):
+    for statement in parse(source, "<cell>"):
         if isinstance(statement, ast.FunctionDef | ast.ClassDef):
             yield statement.name
         elif not earlier_lessons.assigned_use(statement):
@@ -420,7 +420,7 @@ def _role(cell: dict[str, Any]) -> str:
     return str(metadata(cell, "nao_course").get("role", "student"))
 
 
-def _parse(source: str, file: str) -> list[ast.stmt]:
+def parse(source: str, file: str) -> list[ast.stmt]:
     """Parse a cell's statements; if it is not plain Python, parse it as IPython does, without IPython's commands."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about a student's escapes in strings: their own kernel tells them

@@ -20,7 +20,7 @@ from nao_course.instructor.gradebook.records import Request, SubmissionResult
 from nao_course.instructor.reports import comment_sheets
 from nao_course.instructor.reports.class_report import write_report
 from nao_course.instructor.reports.html import visible
-from nao_course.instructor.similarity.own_code import defining_cell, own_cells
+from nao_course.instructor.similarity.own_code import defining_cell, own_code
 
 
 def report(grades: Path) -> Iterator[str]:
@@ -65,7 +65,7 @@ def write_comment_sheets(grades: Path, *, anonymous: bool = False) -> Iterator[s
         @cache
         def cells(student: str, lesson: str) -> tuple[str, ...]:
             try:
-                return own_cells(submissions[student, lesson])
+                return own_code(submissions[student, lesson]).cells
             except (KeyError, Refused, OSError):
                 return ()
 

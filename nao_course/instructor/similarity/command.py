@@ -15,12 +15,13 @@ from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.submissions import gather
 from nao_course.instructor.reports.html import write_whole
-from nao_course.instructor.similarity.comparing import LONGEST, Work, similar_pairs
+from nao_course.instructor.similarity.comparing import LONGEST, Work, compare
 from nao_course.instructor.similarity.known_code import known_code
-from nao_course.instructor.similarity.own_code import own_cells
+from nao_course.instructor.similarity.own_code import own_code
 from nao_course.instructor.similarity.page import similar_page
 
 PAGE = "similar.html"
+_MOST_PLACES = 3  # of hidden code that are named
 
 
 def find_similar(console: Console, path: Path, lessons: Sequence[str], out: Path) -> Iterator[str]:
@@ -49,30 +50,38 @@ def find_similar(console: Console, path: Path, lessons: Sequence[str], out: Path
         left_out += found.not_graded
         works: dict[str, list[Work]] = defaultdict(list)
         for each in progress.track(found.submissions, description="reading"):
+            whose = f"{each.student}, {each.lesson}"
             try:
-                works[each.lesson].append(Work(each.student, own_cells(each)))
+                own = own_code(each)
             except Refused as refused:
-                left_out.append(f"{each.student}, {each.lesson}: {refused}")
+                left_out.append(f"{whose}: {refused}")
+                continue
+            work = Work(each.student, own.cells)
+            works[each.lesson].append(work)
+            if own.hidden:
+                places = "; ".join(own.hidden[:_MOST_PLACES])
+                left_out.append(
+                    f"{whose}: code that is put together while it runs was not compared ({places})"
+                )
+            if len(work.code) > LONGEST:
+                left_out.append(f"{whose}: only the first {LONGEST} characters of its code were compared")
         if not any(len(each) > 1 for each in works.values()):
             raise ValueError(
                 f"{path} contains no two notebooks of a lesson to compare. Give a folder of "
                 "STUDENT/01_hsl_filtering.ipynb with several students"
             )
-        left_out += [
-            f"{work.student}, {lesson}: only the first {LONGEST} characters of its code were compared"
-            for lesson, of_lesson in works.items()
-            for work in of_lesson
-            if len(work.code) > LONGEST
-        ]
-        pairs = {
-            lesson: similar_pairs(
+        compared = {}
+        for lesson in sorted(works):
+            compared[lesson] = compare(
                 progress.track(works[lesson], description=lesson), known_code(course, lesson)
             )
-            for lesson in sorted(works)
-        }
-    for lesson, of_lesson in pairs.items():
-        yield f"{lesson}: {say_count(len(works[lesson]), 'notebook')}, {say_count(len(of_lesson), 'similar pair')}"
+            of_lesson = compared[lesson]
+            yield (
+                f"{lesson}: {say_count(of_lesson.compared, 'notebook')}, "
+                f"{say_count(len(of_lesson.pairs), 'similar pair')}"
+            )
+            for common in of_lesson.common:
+                yield f"{lesson}: {say_count(len(common.works), 'notebook')} with the same common code"
     for line in left_out:
         yield f"not compared: {line}"
-    compared = {lesson: len(of_lesson) for lesson, of_lesson in works.items()}
-    yield f"wrote {write_whole(out / PAGE, similar_page(pairs, compared, left_out))}"
+    yield f"wrote {write_whole(out / PAGE, similar_page(compared, left_out))}"

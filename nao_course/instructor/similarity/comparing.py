@@ -1,33 +1,36 @@
 """Pairs of notebooks that share more code than the release and the known right answers explain.
 
-The engine is copydetect: it replaces the names of variables, functions and classes and the texts of strings by a letter
-each, drops comments and white space, and hashes every run of LENGTH characters of the rest (a fingerprint).
+The engine's filter (copydetect) replaces the names of variables, functions and classes and the texts of strings by a
+letter each, and drops comments and white space. Every run of LENGTH characters of the rest is a fingerprint. The work
+for a class grows with the length of its code and with the number of pairs, and never with the number of cells: what a
+pair shares is found by its fingerprints, and passages are located only for the pairs that are shown.
 """
 
 from __future__ import annotations
 
-import io
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import product
+from functools import lru_cache
 
 import numpy as np
-from copydetect import CodeFingerprint, compare_files
+from copydetect.utils import filter_code
+from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.sparse import csr_array
+from scipy.spatial.distance import squareform
 
 LENGTH = 20  # characters of a fingerprint
 # A pair is listed from these values on; `python -m benchmarks similar` measures what they find and miss.
 LEAST_SHARE, LEAST_SHARED = 0.3, 30
-# A fingerprint of more notebooks than this belongs to the task, as in MOSS; equal notebooks count as one.
+# A fingerprint of more notebooks than this is common, as in MOSS; notebooks with equal fingerprints count as one.
 COMMON, COMMON_SHARE = 10, 0.1
 LONGEST = 100_000  # characters of a notebook's own code that are compared
-# Kept everywhere: winnowing to fewer fingerprints would depend on Python's hashes, which differ from run to run.
-_WINDOW = 1
+MOST_SHOWN = 100  # pairs of a lesson whose passages are located
 # A comma that only a formatter adds. A space in its place keeps all positions.
 _LAST_COMMA = re.compile(r",(?=(?:\s|#[^\n]*+)*+[)\]}])")
 _BETWEEN = "\n\n"  # cells, where the code is shown
+
+Passages = list[tuple[int, int]]
 
 
 @dataclass(frozen=True)
@@ -59,27 +62,98 @@ class SimilarPair:
     ----------
     first, second : Work
         Their work, in the order of their names.
-    share : float
-        Share of the fingerprints of the notebook with fewer of them that the other one has too, 0 to 1.
+    shares : tuple of float
+        For each of the two, the share of its fingerprints that the other one has too, 0 to 1.
     shared : int
         Number of the fingerprints that both have.
     passages : tuple of list of (int, int)
-        For each of the two, start and end of the passages in its `code` that the other one has too.
+        For each of the two, start and end of the passages in its `code` that the other one has too; empty after the
+        first MOST_SHOWN pairs.
+    group : int
+        Number of students in the group of the two, whose notebooks are similar to each other on average.
     """
 
     first: Work
     second: Work
-    share: float
+    shares: tuple[float, float]
     shared: int
-    passages: tuple[list[tuple[int, int]], list[tuple[int, int]]]
+    passages: tuple[Passages, Passages] = ((), ())  # type: ignore[assignment]
+    group: int = 2
+
+
+@dataclass(frozen=True)
+class CommonCode:
+    """Notebooks that consist to a large part of the same common code.
+
+    Parameters
+    ----------
+    works : tuple of Work
+        Their work, in the order of their names.
+    shares : tuple of float
+        For each, the share of its fingerprints that are common, 0 to 1.
+    passages : list of (int, int)
+        Start and end of the common passages in the `code` of the first one.
+    """
+
+    works: tuple[Work, ...]
+    shares: tuple[float, ...]
+    passages: Passages
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What the notebooks of a lesson have in common.
+
+    Parameters
+    ----------
+    compared : int
+        Number of notebooks.
+    pairs : sequence of SimilarPair
+        The most similar pair first.
+    common : sequence of CommonCode
+        Notebooks whose common code was taken out before the pairs were compared, the largest group first.
+    """
+
+    compared: int
+    pairs: Sequence[SimilarPair] = ()
+    common: Sequence[CommonCode] = ()
+
+
+@dataclass(frozen=True)
+class _Prints:
+    """The fingerprints of a work, with start and end of each in its `code`."""
+
+    hashes: np.ndarray
+    starts: np.ndarray
+    ends: np.ndarray
+
+    def having(self, some: np.ndarray, *, kept: bool = True) -> _Prints:
+        """Return the fingerprints that are in some others, or all that are not."""
+        chosen = np.isin(self.hashes, some, invert=not kept)
+        return _Prints(self.hashes[chosen], self.starts[chosen], self.ends[chosen])
+
+    @property
+    def different(self) -> np.ndarray:
+        """The fingerprints once each, in ascending order."""
+        return np.unique(self.hashes)
+
+    def passages(self) -> Passages:
+        """Return the places of the fingerprints as passages that do not overlap."""
+        merged: Passages = []
+        for start, end in sorted(zip(self.starts.tolist(), self.ends.tolist(), strict=True)):
+            if merged and start <= merged[-1][1]:
+                merged[-1] = merged[-1][0], max(end, merged[-1][1])
+            elif end > start:
+                merged.append((start, end))
+        return merged
 
 
 def fingerprints(code: str) -> set[int]:
     """Return the fingerprints of a code, which need not be correct Python."""
-    return set(_fingerprinted(code).hashes)
+    return set(_prints(_bounded(Work("", (code,)))).hashes.tolist())
 
 
-def similar_pairs(works: Iterable[Work], known: Iterable[str]) -> list[SimilarPair]:
+def compare(works: Iterable[Work], known: Iterable[str]) -> Comparison:
     """Compare all pairs of students in one lesson.
 
     Parameters
@@ -91,20 +165,19 @@ def similar_pairs(works: Iterable[Work], known: Iterable[str]) -> list[SimilarPa
 
     Returns
     -------
-    list of SimilarPair
-        The pairs with at least LEAST_SHARED fingerprints and LEAST_SHARE in common, the largest share first.
+    Comparison
+        The pairs with at least LEAST_SHARED fingerprints and LEAST_SHARE of one of the two in common, and the notebooks
+        of which at least as much is common code.
     """
-    expected = set[int]().union(*map(fingerprints, known))
+    expected = np.fromiter(set[int]().union(*map(fingerprints, known)), np.int64)
     ordered = sorted((_bounded(each) for each in works), key=lambda each: each.student)
-    read = [[_fingerprinted(cell) for cell in each.cells] for each in ordered]
-    _leave_out(read, expected)
-    _leave_out(read, _common(read))
-    pairs = []
-    for i, j, shared, share in _counted([_united(each) for each in read]):
-        if shared >= LEAST_SHARED and share >= LEAST_SHARE:
-            pairs.append(SimilarPair(ordered[i], ordered[j], share, shared, _passages(read[i], read[j])))
-    return sorted(
-        pairs, key=lambda each: (-each.share, -each.shared, each.first.student, each.second.student)
+    own = [_prints(each).having(expected, kept=False) for each in ordered]
+    common = _common(own)
+    in_common = [each.having(common) for each in own]
+    return Comparison(
+        len(ordered),
+        _similar_pairs(ordered, [each.having(common, kept=False) for each in own]),
+        _common_code(ordered, own, in_common),
     )
 
 
@@ -114,11 +187,55 @@ def overlap(first: set[int], second: set[int]) -> tuple[int, float]:
     return shared, shared / max(min(len(first), len(second)), 1)
 
 
+def _similar_pairs(works: Sequence[Work], prints: Sequence[_Prints]) -> list[SimilarPair]:
+    shared = _shared(prints)
+    shares = shared / np.maximum(np.diag(shared), 1)[:, None]  # [i, j]: the share of i that j has too
+    sizes, groups = _groups(np.minimum(shares, shares.T))
+    listed = np.triu((shared >= LEAST_SHARED) & (np.maximum(shares, shares.T) >= LEAST_SHARE), 1)
+    ordered = sorted(
+        np.argwhere(listed).tolist(), key=lambda ij: (-max(shares[*ij], shares[*ij[::-1]]), -shared[*ij], ij)
+    )
+    return [
+        SimilarPair(
+            works[i],
+            works[j],
+            (float(shares[i, j]), float(shares[j, i])),
+            int(shared[i, j]),
+            _passages(prints[i], prints[j]) if number < MOST_SHOWN else ([], []),
+            int(sizes[groups[i]]) if groups[i] == groups[j] else 2,
+        )
+        for number, (i, j) in enumerate(ordered)
+    ]
+
+
+def _common_code(
+    works: Sequence[Work], own: Sequence[_Prints], in_common: Sequence[_Prints]
+) -> list[CommonCode]:
+    """Return the notebooks that consist to a large part of common code, grouped by this code."""
+    counts = [(len(part.different), len(whole.different)) for part, whole in zip(in_common, own, strict=True)]
+    mostly = [
+        number
+        for number, (part, whole) in enumerate(counts)
+        if part >= LEAST_SHARED and part >= LEAST_SHARE * whole
+    ]
+    shared = _shared([in_common[number] for number in mostly])
+    _, groups = _groups(shared / np.maximum.outer(np.diag(shared), np.diag(shared)))
+    found = []
+    for group in dict.fromkeys(groups.tolist()):
+        members = [number for number, of in zip(mostly, groups, strict=True) if of == group]
+        shares = tuple(counts[number][0] / counts[number][1] for number in members)
+        found.append(
+            CommonCode(tuple(works[number] for number in members), shares, in_common[members[0]].passages())
+        )
+    return sorted(found, key=lambda each: -len(each.works))
+
+
 def _bounded(work: Work) -> Work:
     """Return a work with at most LONGEST characters, laid out as the engine counts them."""
     cells, left = [], LONGEST
     for cell in work.cells:
-        cells.append(_plain(cell[:left]))
+        if plain := _plain(cell[:left]):
+            cells.append(plain)
         left -= min(len(cell), left)
     return Work(work.student, tuple(cells))
 
@@ -128,67 +245,57 @@ def _plain(code: str) -> str:
     return code.replace("\r\n", "\n").replace("\r", "\n").strip("\n\ufeff")
 
 
-def _fingerprinted(code: str) -> CodeFingerprint:
-    text = io.StringIO(_LAST_COMMA.sub(" ", _plain(code)))
-    return CodeFingerprint("own.py", LENGTH, _WINDOW, language="python", fp=text)
+def _prints(work: Work) -> _Prints:
+    """Return the fingerprints of a bounded work."""
+    hashes, starts, ends, at = [np.empty(0, np.int64)], [np.empty(0, int)], [np.empty(0, int)], 0
+    for cell in work.cells:
+        filtered, removed = _filtered(cell)
+        many = max(len(filtered) - LENGTH + 1, 0)
+        hashes.append(np.fromiter((hash(filtered[i : i + LENGTH]) for i in range(many)), np.int64, many))
+        for places, first in ((starts, 0), (ends, LENGTH)):
+            index = np.arange(first, first + many)
+            row = np.clip(np.searchsorted(removed[:, 0], index), 0, len(removed) - 1)
+            # The engine may misplace an end by the length of a class's name.
+            places.append(np.clip(index + removed[row, 1], 0, len(cell)) + at)
+        at += len(cell) + len(_BETWEEN)
+    return _Prints(*map(np.concatenate, (hashes, starts, ends)))
 
 
-def _united(cells: Iterable[CodeFingerprint]) -> set[int]:
-    """Return the fingerprints of all cells of a work."""
-    return set[int]().union(*(each.hashes for each in cells))
+@lru_cache(2**14)
+def _filtered(cell: str) -> tuple[str, np.ndarray]:
+    """Return a cell without what does not count, and how many characters are missing before each place."""
+    filtered, removed = filter_code(_LAST_COMMA.sub(" ", cell), "own.py", "python")
+    return filtered, removed
 
 
-def _leave_out(works: Iterable[Iterable[CodeFingerprint]], known: set[int]) -> None:
-    """Remove fingerprints. The engine's own parameter for it also removes repetitions that are not known."""
-    for cell in (cell for cells in works for cell in cells):
-        cell.hashes = cell.hashes - known
-        cell.hash_idx = {each: places for each, places in cell.hash_idx.items() if each in cell.hashes}
+def _common(prints: Iterable[_Prints]) -> np.ndarray:
+    """Return the fingerprints that more notebooks have than can be compared pair by pair."""
+    different = {hashes.tobytes(): hashes for hashes in (each.different for each in prints)}
+    found, counts = np.unique(np.concatenate(list(different.values())), return_counts=True)
+    return found[counts > max(COMMON, COMMON_SHARE * len(different))]
 
 
-def _common(works: Iterable[Sequence[CodeFingerprint]]) -> set[int]:
-    """Return the fingerprints that so many different notebooks have that the task must be the reason."""
-    different = {tuple(cell.filtered_code for cell in cells): _united(cells) for cells in works}
-    most = max(COMMON, COMMON_SHARE * len(different))
-    counts = Counter(each for hashes in different.values() for each in hashes)
-    return {each for each, count in counts.items() if count > most}
-
-
-def _counted(found: Sequence[set[int]]) -> Iterator[tuple[int, int, int, float]]:
-    """Yield (i, j, shared, share) of all pairs i < j that share a fingerprint."""
-    columns = {each: number for number, each in enumerate(set[int]().union(*found))}
-    indices = [columns[each] for hashes in found for each in hashes]
+def _shared(prints: Sequence[_Prints]) -> np.ndarray:
+    """Return how many fingerprints each two notebooks share, and on the diagonal how many each one has."""
+    found = [each.different for each in prints]
+    _, columns = np.unique(np.concatenate([np.empty(0, np.int64), *found]), return_inverse=True)
     starts = np.cumsum([0, *map(len, found)])
-    has = csr_array((np.ones(len(indices), np.int32), indices, starts), shape=(len(found), len(columns)))
-    shared = (has @ has.T).tocoo()
-    for i, j, count in zip(*map(np.ndarray.tolist, (*shared.coords, shared.data)), strict=True):
-        if i < j:
-            yield i, j, count, count / min(len(found[i]), len(found[j]))
+    has = csr_array((np.ones(len(columns), np.int32), columns, starts), (len(found), len(columns)))
+    return (has @ has.T).toarray()
 
 
-def _passages(
-    first: Sequence[CodeFingerprint], second: Sequence[CodeFingerprint]
-) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+def _groups(similarities: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sizes of groups with an average similarity of LEAST_SHARE, and the group of each notebook.
+
+    Average linkage: a notebook that contains two others does not put these into one group.
+    """
+    groups = np.zeros(len(similarities), int)
+    if len(similarities) > 1:
+        distances = squareform(1 - similarities, checks=False)
+        groups = fcluster(linkage(distances, "average"), 1 - LEAST_SHARE, "distance")
+    return np.bincount(groups), groups
+
+
+def _passages(first: _Prints, second: _Prints) -> tuple[Passages, Passages]:
     """Return what two works have in common, as passages of the code of each."""
-    found: tuple[list[tuple[int, int]], list[tuple[int, int]]] = ([], [])
-    starts = [
-        np.cumsum([0, *(len(each.raw_code) + len(_BETWEEN) for each in cells)]) for cells in (first, second)
-    ]
-    for (i, one), (j, other) in product(enumerate(first), enumerate(second)):
-        _, _, slices = compare_files(one, other)
-        for passages, at, cell, bounds in zip(
-            found, (starts[0][i], starts[1][j]), (one, other), slices, strict=True
-        ):
-            inside = np.clip(np.asarray(bounds, int).reshape(2, -1), 0, len(cell.raw_code)) + at
-            passages += map(tuple, inside.T.tolist())
-    return _merged(found[0]), _merged(found[1])
-
-
-def _merged(passages: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return passages that do not overlap; the engine may misplace an end by the length of a class's name."""
-    merged: list[tuple[int, int]] = []
-    for start, end in sorted(passages):
-        if merged and start <= merged[-1][1]:
-            merged[-1] = merged[-1][0], max(end, merged[-1][1])
-        elif end > start:
-            merged.append((start, end))
-    return merged
+    return first.having(second.hashes).passages(), second.having(first.hashes).passages()

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.reports.html import Markup, element, join, lesson_title, page
-from nao_course.instructor.similarity.comparing import LENGTH, SimilarPair
+from nao_course.instructor.similarity.comparing import (
+    COMMON,
+    COMMON_SHARE,
+    LENGTH,
+    MOST_SHOWN,
+    CommonCode,
+    Comparison,
+    SimilarPair,
+)
 
-MOST_SHOWN = 100  # pairs of a lesson whose code is on the page
 NEAR = 4  # lines before and after a marked passage
 _MEANING = (
     "This page shows that code is alike, not why. Before you accuse anybody, read both sides, look for what only a "
@@ -18,23 +24,27 @@ _MEANING = (
 )
 _MEASURE = (
     f"A fingerprint is a run of {LENGTH} characters of the code, without comments and white space, and with every name "
-    "replaced by the same letter. What the release gives, what the known right answers contain, and what many of the "
-    "notebooks contain is taken out. The share refers to the notebook with fewer fingerprints left. Passages that "
-    "both have are marked, and other lines are shown near them only."
+    "replaced by the same letter. What the release gives and what the known right answers contain is taken out, and so "
+    f"is common code: what more than {COMMON} different notebooks, or {100 * COMMON_SHARE:.0f} % of a larger class, "
+    "contain. Notebooks with much common code are listed below the pairs. A share is the part of a student's remaining "
+    "fingerprints that the other student has too; if only one of the two shares is large, the other notebook contains "
+    "much more. The members of a group are similar to each other, and not only to one of them. Passages that both have "
+    "are marked, and other lines are shown near them only."
+)
+_COMMON = (
+    "The percentage is the part of each notebook that is common code. It was taken out before the pairs were compared, "
+    "so these notebooks may be copies of each other that are in no pair. A hint that you gave to all explains it too. "
+    "The common code is marked in the first notebook:"
 )
 
 
-def similar_page(
-    pairs: Mapping[str, Sequence[SimilarPair]], compared: Mapping[str, int], left_out: Sequence[str]
-) -> str:
+def similar_page(compared: Mapping[str, Comparison], left_out: Sequence[str]) -> str:
     """Make the page.
 
     Parameters
     ----------
-    pairs : mapping of str to sequence of SimilarPair
-        By lesson, the most similar pair first.
-    compared : mapping of str to int
-        Number of notebooks that were compared, by lesson.
+    compared : mapping of str to Comparison
+        What the notebooks have in common, by lesson.
     left_out : sequence of str
         What was not compared, with the reasons.
 
@@ -43,39 +53,36 @@ def similar_page(
     str
         HTML without scripts or links to other files.
     """
-    many = sum(map(len, pairs.values()))
+    many = sum(len(each.pairs) for each in compared.values())
     return page(
         "Similar notebooks",
         element("h1", say_count(many, "pair") + " of similar notebooks"),
         element("div", element("p", _MEANING), class_="box warn"),
         element("p", _MEASURE, class_="soft small"),
-        *(_lesson(lesson, pairs.get(lesson, ()), number) for lesson, number in sorted(compared.items())),
+        *(_lesson(lesson, each) for lesson, each in sorted(compared.items())),
         _left_out(left_out),
         wide=True,
     )
 
 
-def _lesson(lesson: str, pairs: Sequence[SimilarPair], compared: int) -> Markup:
-    title = element("h2", lesson_title(lesson))
-    if not pairs:
-        return join(title, element("p", f"{say_count(compared, 'notebook')} compared, no similar pair."))
-    heads = [element("th", each, scope="col") for each in ("Students", "Group of")]
-    heads += [element("th", each, class_="number", scope="col") for each in ("Share", "Fingerprints")]
-    sizes = _group_sizes(pairs)
+def _lesson(lesson: str, found: Comparison) -> Markup:
+    pairs = found.pairs
     rows = [
-        element(
-            "tr",
-            element("td", _names(each, _anchor(lesson, number) if number < MOST_SHOWN else "")),
-            element("td", f"{sizes[each.first.student]} students"),
-            element("td", f"{100 * each.share:.0f} %", class_="number"),
-            element("td", str(each.shared), class_="number"),
+        (
+            _names(each, _anchor(lesson, number) if number < MOST_SHOWN else ""),
+            f"{each.group} students",
+            *map(_percent, each.shares),
+            str(each.shared),
         )
         for number, each in enumerate(pairs)
     ]
     return join(
-        title,
-        element("p", f"{say_count(compared, 'notebook')} compared."),
-        element("table", element("thead", element("tr", *heads)), element("tbody", *rows)),
+        element("h2", lesson_title(lesson)),
+        element(
+            "p", f"{say_count(found.compared, 'notebook')} compared, {say_count(len(pairs), 'similar pair')}."
+        ),
+        _table(("Students", "Group of", "Share of the first", "Share of the second", "Fingerprints"), rows),
+        *(_common(each) for each in found.common),
         *(_pair(each, _anchor(lesson, number)) for number, each in enumerate(pairs[:MOST_SHOWN])),
         element("p", f"The code of the first {MOST_SHOWN} pairs is shown.")
         if len(pairs) > MOST_SHOWN
@@ -83,15 +90,40 @@ def _lesson(lesson: str, pairs: Sequence[SimilarPair], compared: int) -> Markup:
     )
 
 
-def _group_sizes(pairs: Sequence[SimilarPair]) -> dict[str, int]:
-    """Return how many students are connected to each student by similar pairs."""
-    groups: dict[str, set[str]] = defaultdict(set)
-    for each in pairs:
-        names = {each.first.student, each.second.student}
-        joined = names.union(*(groups[name] for name in names))
-        for name in joined:
-            groups[name] = joined
-    return {name: len(group) for name, group in groups.items()}
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Markup | None:
+    """Return a table whose columns after the second are numbers."""
+    if not rows:
+        return None
+    head = (
+        element("th", each, class_="number" if at > 1 else "", scope="col") for at, each in enumerate(heads)
+    )
+    body = (
+        element(
+            "tr", *(element("td", each, class_="number" if at > 1 else "") for at, each in enumerate(row))
+        )
+        for row in rows
+    )
+    return element("table", element("thead", element("tr", *head)), element("tbody", *body))
+
+
+def _common(common: CommonCode) -> Markup:
+    """Return the notebooks that consist to a large part of the same common code, and this code once."""
+    first = common.works[0]
+    shares = zip(common.works, common.shares, strict=True)
+    title = f"{say_count(len(common.works), 'notebook')} with the same common code"
+    return element(
+        "section",
+        element("div", element("h3", title), class_="top"),
+        element("p", "; ".join(f"{work.student} ({_percent(share)})" for work, share in shares)),
+        element("p", _COMMON, class_="soft small"),
+        element("p", first.student, class_="label"),
+        element("pre", _marked(first.code, common.passages)),
+        class_="card",
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"
 
 
 def _anchor(lesson: str, number: int) -> str:
@@ -110,7 +142,9 @@ def _pair(pair: SimilarPair, anchor: str) -> Markup:
         )
         for work, passages in zip((pair.first, pair.second), pair.passages, strict=True)
     ]
-    said = f"{100 * pair.share:.0f} % of the smaller notebook, {say_count(pair.shared, 'fingerprint')}"
+    said = (
+        f"{' and '.join(map(_percent, pair.shares))} of their code, {say_count(pair.shared, 'fingerprint')}"
+    )
     return element(
         "section",
         element("div", element("h3", _names(pair)), element("span", said, class_="points"), class_="top"),

@@ -1,6 +1,7 @@
 """`nao-course similar`: reads what `grade` reads, and writes a page that nobody's notebook can take over."""
 
 import json
+from base64 import b64encode
 
 import nbformat
 import pytest
@@ -8,8 +9,9 @@ from typer.testing import CliRunner
 
 from benchmarks.course.similar import disguised
 from nao_course import cli
-from nao_course.instructor.similarity.comparing import SimilarPair, Work
-from nao_course.instructor.similarity.page import MOST_SHOWN, similar_page
+from nao_course.exercises.definitions import load_definitions
+from nao_course.instructor.similarity.comparing import MOST_SHOWN, CommonCode, Comparison, SimilarPair, Work
+from nao_course.instructor.similarity.page import similar_page
 from tests.instructor.similarity.test_comparing import OWN
 from tests.pages import HOSTILE, Page
 from tests.paths import PROJECT
@@ -29,10 +31,10 @@ def similar(folder, *words):
     return done, Page(page.read_text("utf-8")) if page.exists() else None
 
 
-def hand_in(folder, student, code="", name=f"{LESSON}.ipynb"):
+def hand_in(folder, student, code="", name=f"{LESSON}.ipynb", **metadata):
     notebook = nbformat.read(PROJECT / "notebooks" / f"{LESSON}.ipynb", as_version=4)
     if code:
-        notebook.cells.append(nbformat.v4.new_code_cell(code))
+        notebook.cells.append(nbformat.v4.new_code_cell(code, metadata=metadata))
     path = folder / student / name
     path.parent.mkdir(parents=True, exist_ok=True)
     nbformat.write(notebook, path)
@@ -56,6 +58,24 @@ def test_helper_files_count_as_own_code(tmp_path):
         hand_in(folder, student).with_name("tools.py").write_text(OWN)
     done, _ = similar(folder)
     assert "1 similar pair" in done.output
+
+
+def test_what_the_grader_runs_is_compared_whatever_its_cell_is_called(tmp_path):
+    folder = tmp_path / "in"
+    role = {"nao_course": {"role": "mine"}}
+    ways = {
+        "ada": hand_in(folder, "ada", OWN, **role),
+        "ben": hand_in(folder, "ben", f"exec({OWN!r})", **role),
+        "cyd": hand_in(folder, "cyd", f"half = {OWN[:99]!r}\nexec(compile(half + {OWN[99:]!r}, '', 'exec'))"),
+        "dan": hand_in(folder, "dan", f"exec('\\n'.join({OWN.splitlines()!r}))"),
+        "fay": hand_in(folder, "fay", f"import base64\nexec(base64.b64decode({b64encode(OWN.encode())!r}))"),
+    }
+    for path in ways.values():
+        assert "centre" in load_definitions(path)
+    done, page = similar(folder)
+    assert "6 similar pairs" in done.output  # all but the last one's
+    assert "fay, 02_goalposts: code that is put together while it runs was not compared" in page.text
+    assert "ben, 02_goalposts: code" not in page.text
 
 
 def test_a_student_with_two_files_is_not_similar_to_the_same_student(tmp_path):
@@ -101,18 +121,23 @@ def test_a_notebook_with_large_outputs_is_compared(tmp_path):
 @pytest.mark.parametrize("text", HOSTILE)
 def test_hostile_names_and_code_stay_text(text):
     pair = SimilarPair(
-        Work(text, (text, text * 3)), Work("ben", (text,)), 0.5, 40, ([(1, 3), (4, 9)], [(0, len(text))])
+        Work(text, (text, text * 3)),
+        Work("ben", (text,)),
+        (0.5, 0.1),
+        40,
+        ([(1, 3), (4, 9)], [(0, len(text))]),
     )
-    page = Page(similar_page({LESSON: [pair]}, {LESSON: 2}, [text]))
-    assert page.offences() == []
+    common = CommonCode((pair.first, pair.second), (0.5, 1.0), [(1, 3)])
+    page = Page(similar_page({LESSON: Comparison(2, [pair], [common])}, [text]))
+    assert page.offences() == [] and page.text.count("marked in the first notebook") == 1
 
 
 def test_only_the_first_pairs_show_their_code_and_all_are_listed():
     work = Work("ada", ("x",))
-    pairs = [SimilarPair(work, Work(f"s{k}", ("y",)), 0.5, 40, ([], [])) for k in range(MOST_SHOWN + 5)]
-    page = Page(similar_page({LESSON: pairs}, {LESSON: 2}, []))
+    pairs = [SimilarPair(work, Work(f"s{k}", ("y",)), (0.5, 0.5), 40) for k in range(MOST_SHOWN + 5)]
+    page = Page(similar_page({LESSON: Comparison(2, pairs)}, []))
     assert page.tags.count("section") == MOST_SHOWN and page.tags.count("tr") == MOST_SHOWN + 6
-    assert f"ada and s{MOST_SHOWN + 4}" in page.text and f"{MOST_SHOWN + 6} students" in page.text
+    assert f"ada and s{MOST_SHOWN + 4}" in page.text
 
 
 def test_lines_far_from_a_passage_are_counted_and_not_shown():
@@ -120,7 +145,9 @@ def test_lines_far_from_a_passage_are_counted_and_not_shown():
     start = code.index("line_20")
     work = Work("ada", (code,))
     page = Page(
-        similar_page({LESSON: [SimilarPair(work, work, 1, 40, ([(start, start + 7)], []))]}, {LESSON: 2}, [])
+        similar_page(
+            {LESSON: Comparison(2, [SimilarPair(work, work, (1, 1), 40, ([(start, start + 7)], []))])}, []
+        )
     )
     shown = page.text.partition("[16 other lines]")[2].partition("[16 other lines]")[0]
     assert shown.split() == [f"line_{number}" for number in range(16, 24)]

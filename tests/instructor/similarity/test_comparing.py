@@ -3,11 +3,12 @@
 from itertools import pairwise
 
 import pytest
+from copydetect.utils import filter_code
 
 from benchmarks.course.similar import CHANGES, Lesson, given, listed
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.similarity import comparing
-from nao_course.instructor.similarity.comparing import COMMON, Work, similar_pairs
+from nao_course.instructor.similarity.comparing import COMMON, Work, compare
 from nao_course.instructor.similarity.known_code import alternatives, given_code, known_code, right_answers
 from tests.paths import PROJECT
 
@@ -42,7 +43,7 @@ def pairs_of(*codes, known=()):
         Work(f"s{number:02d}", (code,) if isinstance(code, str) else tuple(code))
         for number, code in enumerate(codes)
     ]
-    return [(each.first.student, each.second.student) for each in similar_pairs(works, known)]
+    return [(each.first.student, each.second.student) for each in compare(works, known).pairs]
 
 
 @pytest.fixture(scope="module", params=["02_goalposts", "08_graph_slam"])
@@ -68,9 +69,9 @@ def test_independent_right_answers_are_not_found(lesson):
 
 def test_the_marked_passages_are_what_both_have():
     renamed = OWN.replace("moment", "m").replace("total", "sum_of_weights")
-    (pair,) = similar_pairs(
+    (pair,) = compare(
         [Work("ada", ("# mine\n", f"{OTHER}{OWN}")), Work("ben", (f"\nx = 1\n{renamed}", OTHER))], [OTHER]
-    )
+    ).pairs
     for work, passages in zip((pair.first, pair.second), pair.passages, strict=True):
         marked = "".join(work.code[start:end] for start, end in passages)
         assert "np.isfinite(" in marked and "np.average" not in marked
@@ -91,16 +92,58 @@ def test_a_notebook_is_not_found_for_what_is_released_or_for_the_solution():
     assert not pairs_of(solution, solution, known=known)
 
 
-def test_what_many_different_notebooks_contain_is_not_found_but_many_equal_copies_are():
+def test_copies_in_any_number_are_named():
     distinct = [f"{OWN}\ny = {str(number) * 60}" for number in range(COMMON + 1)]
-    assert not pairs_of(*distinct)
     assert len(pairs_of(*distinct[:COMMON])) == COMMON * (COMMON - 1) / 2
     assert len(pairs_of(*[OWN] * (COMMON + 1))) == COMMON * (COMMON + 1) / 2
+    found = compare(
+        [Work(f"s{number:02d}", (code,)) for number, code in enumerate([*distinct, OTHER])], known=()
+    )
+    (common,) = found.common
+    assert not found.pairs and [each.student for each in common.works] == [
+        f"s{k:02d}" for k in range(COMMON + 1)
+    ]
+    marked = "".join(common.works[0].code[start:end] for start, end in common.passages)
+    assert "np.isfinite(" in marked and min(common.shares) > 0.8
+
+
+def test_two_sources_of_common_code_are_two_lists():
+    codes = [f"{code}\ny = {str(number) * 60}" for code in (OWN, OTHER) for number in range(COMMON + 1)]
+    works = [Work(f"s{number:02d}", (code,)) for number, code in enumerate([*codes, OWN + OTHER])]
+    groups = [{each.student for each in common.works} for common in compare(works, known=()).common]
+    apart = {"s00", f"s{COMMON + 1:02d}"}
+    assert len(groups) >= 2 and not any(apart <= group for group in groups)
+
+
+def test_a_notebook_that_contains_the_others_does_not_make_them_a_group():
+    course = load_course(PROJECT)
+    lessons = [name for name in course.names() if right_answers(course, name)][1:6]
+    honest = [max((codes[0] for codes in right_answers(course, name).values()), key=len) for name in lessons]
+    works = [Work(f"s{number}", (code,)) for number, code in enumerate(honest)]
+    assert not compare(works, known=()).pairs
+    pairs = compare([*works, Work("eve", tuple(honest))], known=()).pairs
+    assert len(pairs) == len(honest) and {each.group for each in pairs} == {2}
+    assert all(each.shares[1] == 1 > each.shares[0] and each.first.student == "eve" for each in pairs)
+    copies = compare([Work(name, (OWN,)) for name in ("ada", "ben", "cyd")], known=()).pairs
+    assert {each.group for each in copies} == {3}
+
+
+def test_the_work_for_a_pair_does_not_grow_with_the_number_of_its_cells(monkeypatch):
+    # The engine reads each different cell once, and no cell is compared with another one.
+    read = []
+    monkeypatch.setattr(comparing, "filter_code", lambda *args: read.append(args) or filter_code(*args))
+    cells = tuple(f"y = {'x + ' * 12}{number:05d}" for number in range(400))
+    works = [Work(name, (*cells, f"z = {name!r}")) for name in ("ada", "ben", "cyd")]
+    pairs = compare(works, known=()).pairs
+    assert len(pairs) == 3 and len(read) == len(cells) + len(works)
+    for pair in pairs:
+        assert all(len(passages) == len(cells) for passages in pair.passages)
 
 
 def test_a_little_in_common_is_not_found(monkeypatch):
     short = "x = np.linspace(0, 1, 11, endpoint=False)\n"
     assert not pairs_of(short, short)
+    assert not pairs_of(short, short.replace(")", ",)"))
     monkeypatch.setattr(comparing, "LEAST_SHARED", 1)
     assert pairs_of(short, short)
 
