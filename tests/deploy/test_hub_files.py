@@ -53,6 +53,20 @@ def test_a_students_name_on_the_hub_is_never_one_of_the_system(config):
     assert re.fullmatch(r"nao-root-[0-9a-f]{10}", renamed["name"]) and renamed["admin"] is False
 
 
+def test_a_name_that_is_typed_in_two_ways_is_one_account(config):
+    names = [
+        config.Authenticator.post_auth_hook(None, None, {"name": each})["name"]
+        for each in ("jos\u00e9", "jose\u0301")
+    ]
+    assert names[0] == names[1]
+
+
+def test_no_student_sees_the_temporary_files_devices_or_processes_of_another(config):
+    spawner = config.SystemdSpawner
+    assert spawner.isolate_tmp and spawner.isolate_devices and spawner.disable_user_sudo
+    assert spawner.unit_extra_properties["ProtectProc"] == "invisible"
+
+
 def test_an_account_is_made_once_with_a_home_that_nobody_else_can_read(config, monkeypatch):
     made = []
     monkeypatch.setattr(subprocess, "run", lambda command, check: made.append(command))

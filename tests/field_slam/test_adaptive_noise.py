@@ -39,6 +39,14 @@ def test_a_few_wrong_compass_readings_do_not_change_the_factor():
     assert noise.factor == pytest.approx(1.0, abs=0.2)
 
 
+def test_an_error_that_the_known_variance_explains_says_nothing_about_the_odometry():
+    noise = AdaptiveOdometryNoise(OdometryNoisePerMove())
+    before = noise.factor
+    for _ in range(10):
+        noise.learn(0.3, 1e4, TURN)
+    assert noise.factor == pytest.approx(before, rel=1e-3)
+
+
 def test_the_factor_scales_all_standard_deviations():
     noise = AdaptiveOdometryNoise(OdometryNoisePerMove(), (2.0,))
     assert np.allclose(noise.covariance(TURN), OdometryNoisePerMove(factor=2.0).covariance(TURN))

@@ -291,6 +291,14 @@ def test_a_line_counts_once_and_one_that_may_be_two_does_not_count(slam):
     assert np.allclose(*ends)
 
 
+@pytest.mark.parametrize(("apart", "lines"), [(0.25, 1), (0.35, 2)])
+def test_a_line_nearer_than_30_cm_to_a_parallel_one_is_not_added_to_the_map(slam, apart, lines):
+    mine, here = slam(Pose(1.0, 0.0, 0.0)), Pose(1.0, 0.0, 0.0)
+    for place in (2.4, 2.4 + apart):
+        mine.observe(exact(here, lines=[(0, place)], centre=False))
+    assert len(mine.inner.kinds) == lines
+
+
 def test_nothing_new_comes_onto_the_map_of_a_robot_that_does_not_know_where_it_is(slam):
     mine = slam(Pose())
     mine.inner.covariance[:2, :2] = 0.2**2 * np.eye(2)

@@ -14,7 +14,7 @@ from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, Scene
 from nao_course.field_slam.kidnapping import recovery
 from nao_course.field_slam.kidnapping.grid import CELL, PoseGrid, compass_likelihood
 from nao_course.field_slam.kidnapping.likelihood import KnownMap, StopView, log_likelihood
-from nao_course.field_slam.kidnapping.recovery import LEAST_STOPS, KidnapRecovery
+from nao_course.field_slam.kidnapping.recovery import KidnapRecovery
 from nao_course.field_slam.known_shapes.circle import Circle
 from nao_course.field_slam.observation import observation
 from nao_course.field_slam.surest_first import SurestFirst
@@ -124,11 +124,13 @@ def test_what_is_estimated_does_not_depend_on_when_it_is_asked(joint):
     assert slams[0].kidnappings == slams[1].kidnappings == 1
 
 
-def test_a_robot_without_a_map_cannot_notice(joint):
+def test_nothing_is_tested_before_the_fifteenth_stop(joint):
     slam = KidnapRecovery(joint(START))
     pose = drive(slam, START, 5)
-    drive(slam, Pose(2.3, 1.2, pose.theta + 2.0), LEAST_STOPS - 7)
-    assert slam.kidnappings == 0
+    pose = drive(slam, Pose(2.3, 1.2, pose.theta + 2.0), 9)
+    assert slam.lost_probability == 0
+    drive(slam, pose, 1)
+    assert slam.lost_probability > 0
 
 
 # --- a robot that is carried away ---

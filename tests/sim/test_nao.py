@@ -14,6 +14,8 @@ from nao_course.sim import (
     Truth,
     repeat_drive,
 )
+from nao_course.sim import nao as module
+from nao_course.sim.render import render
 from nao_course.slam import Motion
 
 EXACT = {
@@ -206,6 +208,16 @@ def test_a_picture_taken_while_walking_is_smeared_and_one_standing_is_not():
 
     assert sharpness(True) < 0.95 * sharpness(False)
     assert sharpness(True, motion=0.0) == sharpness(False)
+
+
+def test_the_head_sways_about_all_three_axes_while_the_robot_walks(monkeypatch):
+    sways = []
+    monkeypatch.setattr(module, "render", lambda *given: (sways.append(given[-1]), None)[1] or render(*given))
+    nao = SimulatedNao(rng=1)
+    for _ in range(200):
+        nao.take_picture(size=(16, 12), walking=True)
+    scale = nao.reality.motion
+    assert np.std(sways, axis=0) == pytest.approx(scale * np.array([0.010, 0.015, 0.012]), rel=0.2)
 
 
 def test_a_moved_field_takes_its_robot_along():
