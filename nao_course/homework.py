@@ -5,13 +5,11 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import platform
 import shutil
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -19,25 +17,15 @@ from nao_course._internal.renamed_names import with_new_names
 from nao_course.exercises import lesson_names
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
 from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
+from nao_course.exercises.versions import installed_versions
 
-__all__ = [
-    "NOTEBOOKS",
-    "RELEASE",
-    "REQUEST",
-    "Receipt",
-    "Renewal",
-    "installed_versions",
-    "renew",
-    "submit",
-    "zipped",
-]
+__all__ = ["NOTEBOOKS", "RELEASE", "REQUEST", "Receipt", "Renewal", "renew", "submit", "zipped"]
 
 RELEASE = Path("release")  # folder of an unpacked release, which is never edited
 NOTEBOOKS = Path("notebooks")  # the student's working folder, which no release contains
 REQUEST = "regrade_request.txt"  # in NOTEBOOKS: what a person should look at again
 _GIVEN = ".given"  # in NOTEBOOKS: each lesson as released, to find the student's changes
 _KEPT = "kept"  # in NOTEBOOKS: the student's notebooks before each renewal
-_VERSIONS = ("nao-course", "numpy", "opencv-python-headless", "scipy")
 
 Cell = dict[str, Any]
 Notebook = dict[str, Any]
@@ -150,17 +138,6 @@ def submit(folder: Path, out: Path) -> Receipt:
     out.mkdir(parents=True, exist_ok=True)
     path.write_bytes(zipped(files | {"receipt.json": _json(contents | {"code": code})}))
     return Receipt(path, time, hashes, versions, code)
-
-
-def installed_versions() -> dict[str, str]:
-    """Return the versions of Python and of the libraries that a lesson's numbers depend on."""
-    found = {"python": platform.python_version()}
-    for name in _VERSIONS:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:  # OpenCV has several package names
-            continue
-    return found
 
 
 # --- a newer release ---

@@ -20,6 +20,7 @@ from nao_course._internal.text_encodings import NotTextError, decode_text
 from nao_course.exercises import earlier as earlier_lessons
 from nao_course.exercises.cells import GIVEN, NOT_RUN, grade_id, is_graded, is_solution, metadata, source_of
 from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
+from nao_course.exercises.versions import numbers
 
 MOST_BYTES = 50 * 2**20
 LARGEST_CODE = 12 * 2**20  # bytes of a notebook without its outputs
@@ -87,12 +88,15 @@ class NotebookText:
         Written answers by the name of their cell; at most MOST_WRITTEN characters each.
     lesson, version : str
         Lesson and version in the notebook's metadata; empty if they are missing.
+    python : str
+        Version of Python of the kernel that saved it, such as "3.11.7"; empty if it is missing.
     """
 
     cells: list[tuple[str, str]] = field(default_factory=list)
     written: Mapping[str, str] = field(default_factory=dict)
     lesson: str = ""
     version: str = ""
+    python: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +188,8 @@ def load_definitions(
     namespace = module.__dict__
     defined: dict[str, None] = {}
     skipped: list[Skipped] = []
-    flags = 0
+    # Since Python 3.14, an annotation may name what is defined later, or nowhere.
+    flags = __future__.annotations.compiler_flag if numbers(text.python) >= (3, 14) else 0
     for number, (role, source) in enumerate([("setup", setup), *text.cells, ("instead", "pass")]):
         if role in NOT_RUN or not source.strip():
             continue
@@ -314,7 +319,7 @@ def without_outputs(name: str, content: bytes | bytearray) -> bytes:
         if cell.get("cell_type") == "code"
         or (cell.get("cell_type") == "markdown" and grade_id(cell) in text.written)
     ]
-    kept = {key: metadata(notebook, key) for key in ("kernelspec", "nao_course")}
+    kept = {key: metadata(notebook, key) for key in ("kernelspec", "language_info", "nao_course")}
     short = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": kept, "cells": cells}).encode()
     if len(short) > LARGEST_CODE:
         raise ValueError(f"{name}: its code and metadata may have at most {LARGEST_CODE // 2**20} MB")
@@ -407,9 +412,10 @@ def _written(cells: list[dict[str, Any]]) -> dict[str, str]:
     return answers
 
 
-def _stamp(notebook: dict[str, Any]) -> tuple[str, str]:
-    stamp = metadata(notebook, "nao_course")
-    return _text(stamp.get("lesson", ""), 100), _text(stamp.get("version", ""), 100)
+def _stamp(notebook: dict[str, Any]) -> tuple[str, str, str]:
+    stamp, language = metadata(notebook, "nao_course"), metadata(notebook, "language_info")
+    python = _text(language.get("version", ""), 20) if language.get("name", "python") == "python" else ""
+    return _text(stamp.get("lesson", ""), 100), _text(stamp.get("version", ""), 100), python
 
 
 def _role(cell: dict[str, Any]) -> str:

@@ -1,11 +1,19 @@
-"""Detection of definitions that are out of date because the cell that should have replaced them failed."""
+"""Detection of definitions that are missing or out of date because a cell failed or uses their name again."""
 
 from __future__ import annotations
 
 import re
 import sys
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
+if TYPE_CHECKING:
+    from nao_course.exercises.definitions import Skipped
+
+_SYNTAX_ERRORS = {"SyntaxError", "IndentationError", "TabError"}
+_PLACE = re.compile(r" \(<[^<>]*>, line \d+\)$")  # which Python adds to the message of a syntax error
+_LONGEST_MESSAGE = 200  # characters of an error's message
+_REUSED = re.compile(r"\bthe notebook's name (\w{1,100}) is of type ")
 _DEFINITION = re.compile(r"^(?:async +def|def|class) +(\w+)", re.MULTILINE)
 
 
@@ -62,3 +70,78 @@ def _said(error: BaseException | None) -> str:
 
 
 FAILED_CELLS = FailedCells()  # of this kernel
+
+
+def defining_cell(name: str, sources: Sequence[str]) -> tuple[int, list[str], int]:
+    """Find the last code cell that begins to define a function or class, without running anything.
+
+    Parameters
+    ----------
+    name : str
+        Name of the function or class.
+    sources : sequence of str
+        Source of each code cell.
+
+    Returns
+    -------
+    cell : int
+        Number of the cell from 1; 0 if there is none.
+    lines : list of str
+        Lines of the cell.
+    start : int
+        Index of the line of the definition.
+    """
+    begins = re.compile(rf"(?:async +)?(?:def|class) +{re.escape(name)}\b")
+    for number in range(len(sources), 0, -1):
+        lines = sources[number - 1].splitlines()
+        if starts := [index for index, line in enumerate(lines) if begins.match(line)]:
+            return number, lines, starts[-1]
+    return 0, [], 0
+
+
+def why_missing(name: str, skipped: Iterable[Skipped], sources: Sequence[str]) -> str:
+    """Return why the cell that defines a function or class failed, in a sentence; empty if it did not fail.
+
+    Parameters
+    ----------
+    name : str
+        Name of the function or class.
+    skipped : iterable of Skipped
+        Statements that did not run.
+    sources : sequence of str
+        Source of each code cell.
+    """
+    cell, _, start = defining_cell(name, sources)
+    for each in skipped:
+        kind, _, message = each.reason.partition(":")
+        said = f"{kind}: {_PLACE.sub('', message)[:_LONGEST_MESSAGE].strip()}"
+        if each.cell == cell > 0 and kind in _SYNTAX_ERRORS:
+            return (
+                f"Code cell {cell}, which defines it, cannot run: {kind} in line {each.line}:{said.partition(':')[2]}. "
+                "Correct this line, restart the kernel and run all cells."
+            )
+        if each.cell == cell > 0 and each.line == start + 1:
+            return (
+                f"Code cell {cell}, which defines it, stops in line {each.line}: {said}. Correct this cell, restart "
+                "the kernel and run all cells."
+            )
+    return ""
+
+
+def where_reused(lines: Iterable[str], sources: Sequence[str]) -> list[str]:
+    """Name the code cell that uses the name of a module or function for a value, if a report says that one does.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        Lines of the report.
+    sources : sequence of str
+        Source of each code cell.
+    """
+    for name in _REUSED.findall("\n".join(lines))[:1]:
+        assigns = re.compile(
+            rf"^(?:for +)?(?:[\w.]+ *, *)*{name}\b *(?:,[\w., ]*)?(?:=(?!=)|in\b)", re.MULTILINE
+        )
+        if cells := [number for number, source in enumerate(sources, start=1) if assigns.search(source)]:
+            return [f"Code cell {cells[-1]} gives the name {name} to that value."]
+    return []

@@ -12,7 +12,9 @@ from contextlib import contextmanager
 from types import ModuleType
 from typing import Any, NoReturn
 
-_PERSON = "waits for a person to type or click, which does not happen in the grader: use the function's arguments instead"
+_PERSON = (
+    "waits for a person to type or click, which the grader cannot do: use the function's arguments instead"
+)
 _DEBUGGER = "starts a debugger, which the grader does not have: remove it"
 # What shows something does nothing in a check, and returns this value.
 _SHOWS: dict[str, Any] = {

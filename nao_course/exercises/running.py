@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import importlib
+import linecache
 import os
 import re
 import signal
@@ -322,7 +323,7 @@ def _raised(error: BaseException) -> Outcome:
     """Return an exception's text, its classes and the student's own line."""
     _, earlier = own_frames(error)
     inside = [f"(inside {earlier})"] if earlier else []
-    text = " ".join([describe(error) + _arguments(error), *inside, *_notes(error)])
+    text = " ".join([describe(error) + _arguments(error) + _whose(error), *inside, *_notes(error)])
     return Outcome("raised", text=text, line=own_line(error), errors=_names_of_classes(type(error)))
 
 
@@ -339,6 +340,25 @@ def _arguments(error: BaseException) -> str:
     return _printable(
         f"; the function's arguments are {listed}" if names else "; the function has no arguments"
     )[:200]
+
+
+def _whose(error: BaseException) -> str:
+    """Say whose value an attribute or a call failed for: a name of the notebook's, or an argument."""
+    if not isinstance(error, AttributeError | TypeError) or not error.__traceback__:
+        return ""
+    frame, number = [*traceback.walk_tb(error.__traceback__)][-1]
+    line, code = linecache.getline(frame.f_code.co_filename, number), frame.f_code
+    if not is_own(code.co_filename):
+        return ""
+    value = getattr(error, "obj", None)  # of an AttributeError
+    for name in dict.fromkeys([*code.co_names, *code.co_varnames[: code.co_argcount]]):
+        used = re.search(rf"(?<![\w.]){name}\s*{'[.]' if isinstance(error, AttributeError) else '[(]'}", line)
+        held = (frame.f_locals if name in code.co_varnames else frame.f_globals).get(name)
+        if not used or callable(held) or (isinstance(error, AttributeError) and held is not value):
+            continue
+        whose = "the argument" if name in code.co_varnames else "the notebook's name"
+        return _printable(f"; {whose} {name} is of type {_name_of(type(held))}")[:200]
+    return ""
 
 
 def _notes(error: BaseException) -> list[str]:

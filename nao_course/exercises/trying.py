@@ -145,8 +145,6 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "loop of ufunc does not support argument 0 of type": "np.sin and similar functions need numbers, not "
     "symbols: use SymPy's sin, cos, sqrt and atan2.",
     "has no attribute 'arctan2'": "np.arctan2 needs numbers, not symbols: use SymPy's atan2.",
-    "'int' object has no attribute": "That is a whole number. Are the arguments in the order of the function's first "
-    "line?",
     "missing 1 required positional argument": "That call has too few arguments. A tuple counts as one argument: a star "
     "before it, as in f(x, *limits), passes its values one by one.",
     "SystemExit": "exit(), quit() and sys.exit() end Python, so there is no answer: leave a function with return.",
@@ -160,6 +158,7 @@ _PARTS = {  # names that lessons give to the parts of an argument
     "landmark": ("l_x, l_y = landmark", ("l_x", "l_y", "lx", "ly")),
 }
 _UNKNOWN = re.compile(r"name '(\w+)' is not defined; the function(?:'s arguments are (.*)| has no arguments)")
+_WHOSE = re.compile(r"; (?:(the notebook's name)|the argument) (\w+) is of type (\w+)")
 _INSIDE_EARLIER = re.compile(r"\(inside (\w+) of your lesson \d+\)")
 _HOMES = {  # functions that a student may call in any notebook
     **dict.fromkeys(("functions", "my_nao", "progress", "so_far"), "nao_course.student"),
@@ -198,6 +197,14 @@ def advice_on(complaint: str, line: str = "") -> list[str]:
         ]
     if advice := _on_unknown_part(complaint):
         return [advice]
+    if whose := _WHOSE.search(complaint):
+        if whose[1]:
+            return [
+                f"A cell of your notebook gives the name {whose[2]} to a value of type {whose[3]}. If you meant a module "
+                "or function, give that value another name, restart the kernel and run all cells."
+            ]
+        if whose[3] == "int":
+            return ["That is a whole number. Are the arguments in the order of the function's first line?"]
     if "The truth value of an array" in complaint and re.search(
         r"\.(?:remove|index)\(| not in |\bif \w+ in ", line
     ):

@@ -20,7 +20,7 @@ from nao_course.exercises import lesson_names
 from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
-from nao_course.instructor.autograding.batch import Summary, feedback_writer, mean_score
+from nao_course.instructor.autograding.batch import Summary, feedback_writer, installed, mean_score
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.autograding.session import Machines, open_session
@@ -192,6 +192,15 @@ def _show(
     console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered
 ) -> None:
     """Print the result of a run, with a line for each refused submission."""
+    if summary.newer:
+        newer = ", ".join(f"{name} ({count})" for name, count in summary.newer.most_common())
+        console.print(
+            f"WARNING: notebooks were written with {newer}, and the grader has older versions: {installed()}. Right "
+            "code may fail here, so grade with the versions of the class.",
+            markup=False,
+            highlight=False,
+            soft_wrap=True,
+        )
     if found.wrapper:
         console.print(
             f"The folder {found.wrapper} is around all submissions and was not taken for a student's.",
@@ -211,6 +220,7 @@ def _show(
     reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
     for title, lines in (
         ("Refused", reasons),
+        ("NEEDS A DECISION (look at the answer, then nao-course regrade --set)", summary.undecided),
         ("Left out", found.unknown[len(found.not_graded) :]),
         ("Seen by the sandbox", summary.attempts),
         ("NOT GRADED", not_graded),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from html import escape
 from io import StringIO
@@ -18,11 +18,13 @@ from nao_course.exercises.checking import grade_public, lessons, read_public, st
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
 from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
+from nao_course.exercises.failed_cells import where_reused, why_missing
 from nao_course.exercises.interactive import unattended
 from nao_course.exercises.judging import CheckState, Report, with_the_reason
 from nao_course.exercises.lesson_names import PATTERN, meant, number_of
 from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.exercises.trying import Message
+from nao_course.exercises.versions import newer_than_here
 from nao_course.student import verdicts
 
 SECONDS = 20.0  # wall clock for loading a notebook
@@ -328,6 +330,18 @@ class _Notebook:
     def failed(self) -> tuple[Skipped, ...]:
         return tuple(each for each in self.found.skipped if each.reason != NO_DEFINITION)
 
+    @property
+    def sources(self) -> list[str]:
+        return [source for _, source in self.found.text.cells]
+
+    def of_newer_versions(self, errors: Iterable[str]) -> list[str]:
+        """Return a sentence about the notebook's newer versions if they may explain one of these errors."""
+        newer = newer_than_here({"python": self.found.text.python})
+        if not any(map(newer.explains, (*errors, *(each.reason for each in self.failed)))):
+            return []
+        written = f"This notebook is written in {newer.against('nao-course')}."
+        return [f"{written} This may be the only reason: run nao-course in the notebook's version."]
+
 
 def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
     seconds = min(SECONDS, most_seconds)
@@ -358,10 +372,18 @@ def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float =
         state: CheckState = "raised" if notebook.path.exists() else "not attempted"
         return Report(exercise.name, state, (f"{title}: {notebook.problem}",))
     if exercise.name not in notebook.found:
-        reasons = [f"Cell {each.cell}: {each.reason}." for each in notebook.failed]
-        lines = (f"{title}: not found in {notebook.path.name}.", *reasons)
+        cause = why_missing(exercise.name, notebook.failed, notebook.sources)
+        reasons = [cause] if cause else [f"Cell {each.cell}: {each.reason}." for each in notebook.failed]
+        lines = (
+            f"{title}: not found in {notebook.path.name}.",
+            *reasons,
+            *notebook.of_newer_versions(reasons),
+        )
         return Report(exercise.name, "raised" if reasons else "not attempted", lines)
     report = _quietly_graded(exercise, notebook.found[exercise.name], most_seconds)
+    if not report:
+        more = (*where_reused(report.lines, notebook.sources), *notebook.of_newer_versions(report.lines))
+        report = replace(report, lines=(*report.lines, *more))
     if report.state != "interrupted" and not strict():  # a check with more time may give another result
         verdicts.keep(notebook.path, exercise.name, "" if report else _lacking(notebook.path.stem, report))
     return report

@@ -10,7 +10,7 @@ import pytest
 import sympy
 from IPython.core.interactiveshell import InteractiveShell
 
-from nao_course.exercises import try_out, trying
+from nao_course.exercises import Case, call, try_out, trying
 from tests.paths import PROJECT
 
 
@@ -165,7 +165,6 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_and_no_long_traceback(ca
         (lambda: np.zeros(3) + np.zeros(2), "the position of a pose (x, y, theta) is pose[:2]"),
         (lambda: float(sympy.Symbol("x")), "SymPy symbols"),
         (lambda: cv2.Canny(np.zeros((3, 3)), 50, 150), "a picture of bytes"),
-        (lambda: (1000).integers(0, 9), "in the order of the function's first line"),
         (lambda: (lambda low, high: low)((340, 10)), "as in f(x, *limits)"),
     ],
 )
@@ -174,6 +173,26 @@ def test_numpys_complaint_gets_one_piece_of_advice_that_fits(slip, advice):
         slip()
     (said,) = trying.advice_on(f"{type(caught.value).__name__}: {caught.value}")
     assert advice in said
+
+
+WHOSE = {
+    "np = 3\ndef f(x):\n    return np.zeros(3)": "the name np",
+    "import numpy as np\nnp = np.zeros(3)\ndef f(x):\n    return np.sin(x)": "the name np",
+    "max = 3\ndef f(x):\n    return x + max(x, 3)": "the name max",
+    "def f(x):\n    return x.integers(0, 9)": "in the order of the function's first line",
+    "y = 3\ndef f(x):\n    return x.integers(0, 9)": "in the order of the function's first line",
+    "def f(x):\n    y = 3\n    return y.shape": "",
+    "y = 3\ndef f(x):\n    return y.shape": "the name y",
+}
+
+
+@pytest.mark.parametrize(("source", "advice"), WHOSE.items())
+def test_the_advice_on_a_value_depends_on_whose_value_it_is(source, advice, monkeypatch):
+    name, space = "<01_whose, cell 3>", {}
+    monkeypatch.setitem(linecache.cache, name, (len(source), None, source.splitlines(keepends=True), name))
+    exec(compile(source, name, "exec"), space)
+    outcome = call(space["f"], Case((3,)))
+    assert advice in " ".join(trying.advice_on(outcome.text, outcome.line))
 
 
 @pytest.mark.parametrize("line", ["clusters.remove(each)", "if point not in seen:", "if point in seen:"])

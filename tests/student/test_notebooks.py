@@ -60,7 +60,7 @@ def test_a_missing_or_broken_notebook_is_told(tmp_path, content, reason):
 
 def test_a_cell_that_does_not_run_is_named(tmp_path):
     toy.write(tmp_path / "90_toy.ipynb", toy.CLAMP, "def mean_of_positive(values:\n    pass")
-    with pytest.raises(KeyError, match="not found in 90_toy.ipynb. Cell 2: SyntaxError"):
+    with pytest.raises(KeyError, match="not found in 90_toy.ipynb. Code cell 2, .* SyntaxError"):
         student.functions("90_toy", tmp_path)["mean_of_positive"]
 
 

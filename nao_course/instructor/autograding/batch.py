@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from nao_course.homework import installed_versions
+from nao_course.exercises.versions import installed_versions, newer_than_here
 from nao_course.instructor.autograding.assignment import Assignment
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
 from nao_course.instructor.autograding.tries import Retries
@@ -51,6 +51,10 @@ class Summary:
         Submissions that have neither: the grader itself failed.
     attempts : list of str
         What the sandbox saw students' code try.
+    undecided : list of str
+        Submissions with exercises whose points a person has to decide, with the reason.
+    newer : Counter of str
+        Numbers of submissions by the version with which they were written, if it is newer than the grader's.
     """
 
     graded: int = 0
@@ -58,6 +62,8 @@ class Summary:
     refused: list[SubmissionResult] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
     attempts: list[str] = field(default_factory=list)
+    undecided: list[str] = field(default_factory=list)
+    newer: Counter[str] = field(default_factory=Counter)
 
 
 def grade_all(
@@ -127,6 +133,13 @@ def grade_all(
                 summary.attempts += [
                     f"{outcome.student}, {outcome.lesson}: {each}" for each in outcome.attempts
                 ]
+                if outcome.undecided:
+                    names = ", ".join(each.name for each in outcome.undecided)
+                    summary.undecided.append(
+                        f"{outcome.student}, {outcome.lesson}, {names}: the notebook is written in "
+                        f"{newer_than_here(outcome.versions).against('the grader')}"
+                    )
+                summary.newer.update(newer_than_here(outcome.versions).names())
                 if outcome.status == "refused":
                     summary.refused.append(outcome)
                 else:

@@ -19,8 +19,10 @@ from nao_course.exercises.cells import source_of
 from nao_course.exercises.comparisons.comparison import Verdict
 from nao_course.exercises.definitions import Skipped
 from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.failed_cells import defining_cell, why_missing
 from nao_course.exercises.interactive import InteractiveCall
 from nao_course.exercises.running import Outcome
+from nao_course.exercises.versions import Newer
 from nao_course.instructor.collecting.files import LARGEST_READ, Files
 from nao_course.instructor.gradebook.records import ExerciseResult, State
 from nao_course.instructor.sandbox.protocol import UNREADABLE
@@ -57,8 +59,6 @@ _SIGNALS = {
 }
 _MOST_DIMENSIONS = 4  # that are counted; an array may have 64
 _LINE = re.compile(r"line (\d{1,5}): (.+)")
-_SYNTAX_ERRORS = {"SyntaxError", "IndentationError", "TabError"}
-_PLACE = re.compile(r" \(<[^<>]*>, line \d+\)$")  # which Python adds to the message of a syntax error
 LONGEST_MESSAGE = 200  # characters of it
 MOST_LINES = 100  # length of the longest definition whose lines are shown
 
@@ -120,34 +120,26 @@ def definition_lines(notebook: bytes, name: str) -> frozenset[tuple[int, str]]:
         Without surrounding blanks. Empty for a large notebook or definition,
         because a choice among many lines reveals much.
     """
-    _, lines, start = _last_definition(notebook, name)
+    _, lines, start = defining_cell(name, code_cells(notebook))
     body = takewhile(lambda line: not line or line[0] in " \t)#", lines[start + 1 :])
     told = list(enumerate([*lines[start : start + 1], *body], start=start + 1))
     return frozenset((number, line.strip()) for number, line in told if len(told) <= MOST_LINES)
 
 
-def _last_definition(notebook: bytes, name: str) -> tuple[int, list[str], int]:
-    """Return the number of the last code cell that begins to define a name, its lines, and the index of that line.
-
-    The number is 0 if there is none, or if the notebook is large.
-    """
+@lru_cache(maxsize=4)
+def code_cells(notebook: bytes) -> tuple[str, ...]:
+    """Return the source of each code cell of a notebook; nothing if it is large or cannot be read."""
     try:
         cells = json.loads(notebook)["cells"] if len(notebook) <= LARGEST_READ else []
-        sources = [source_of(cell) for cell in cells if cell.get("cell_type") == "code"]
+        return tuple(source_of(cell) for cell in cells if cell.get("cell_type") == "code")
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        return 0, [], 0
-    begins = re.compile(rf"(?:async +)?(?:def|class) +{re.escape(name)}\b")
-    for number in range(len(sources), 0, -1):
-        lines = sources[number - 1].splitlines()
-        if starts := [index for index, line in enumerate(lines) if begins.match(line)]:
-            return number, lines, starts[-1]
-    return 0, [], 0
+        return ()
 
 
-def with_syntax_errors(
-    results: Iterable[ExerciseResult], skipped: Sequence[Skipped], notebook: bytes
+def with_causes(
+    results: Iterable[ExerciseResult], skipped: Sequence[Skipped], notebook: bytes, newer: Newer
 ) -> tuple[ExerciseResult, ...]:
-    """Name the syntax error in place of "not found" where the cell of an exercise has one.
+    """Say why an exercise's definition is missing, and leave to a person what may be due to an older version here.
 
     Parameters
     ----------
@@ -156,27 +148,28 @@ def with_syntax_errors(
     skipped : sequence of Skipped
         What did not run when the notebook was loaded, before there was any hidden input.
     notebook : bytes
-        As it was handed in; nothing of it runs.
+        The notebook; nothing of it runs.
+    newer : Newer
+        Versions of the notebook that are newer than the grader's.
     """
-    return tuple(
-        replace(each, state="raised", text=error, public=())
-        if each.state == "not found" and (error := _syntax_error(each.name, skipped, notebook))
-        else each
-        for each in results
-    )
+    unread = next((each for each in skipped if each.cell and newer.explains(each.reason)), None)
 
-
-def _syntax_error(name: str, skipped: Sequence[Skipped], notebook: bytes) -> str:
-    cell, _, _ = _last_definition(notebook, name)
-    for each in skipped:
-        kind, _, message = each.reason.partition(":")
-        if each.cell == cell and kind in _SYNTAX_ERRORS:
-            message = _PLACE.sub("", message)[:LONGEST_MESSAGE].strip()
-            return (
-                f"Code cell {cell}, which defines it, cannot run: {kind} in line {each.line}: {message}. Correct this "
-                "line, restart the kernel and run all cells."
+    def with_cause(result: ExerciseResult) -> ExerciseResult:
+        cause = why_missing(result.name, skipped, code_cells(notebook)) if result.state == "not found" else ""
+        if result.state in ("not found", "raised"):
+            where = (
+                f"code cell {unread.cell}, line {unread.line}: {unread.reason[:LONGEST_MESSAGE]}"
+                if unread
+                else ""
             )
-    return ""
+            error = where or next((line for line in result.public if newer.explains(line)), "")
+            if error:
+                written = f"Your notebook is written in {newer.against('the grader')}."
+                text = f"{written} This may be the only reason for this error: {error}"
+                return replace(result, state="undecided", text=text)
+        return replace(result, state="raised", text=cause, public=()) if cause else result
+
+    return tuple(map(with_cause, results))
 
 
 def describe_outcome(

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,17 +22,20 @@ from nao_course.exercises.case import Case
 from nao_course.exercises.definitions import NO_DEFINITION
 from nao_course.exercises.earlier import split_use
 from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.failed_cells import where_reused
 from nao_course.exercises.interactive import remark_on
 from nao_course.exercises.judging import explain
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import Outcome
+from nao_course.exercises.versions import Newer, newer_than_here, numbers
 from nao_course.instructor.autograding.assignment import Assignment, Task
 from nao_course.instructor.autograding.failures import (
     CHANGES_INPUT,
     HiddenResult,
+    code_cells,
     describe_failure,
     describe_outcome,
-    with_syntax_errors,
+    with_causes,
 )
 from nao_course.instructor.autograding.references import (
     STOOD_IN,
@@ -159,7 +162,9 @@ def _grade(
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
             grader = SubmissionGrader(worker, assignment, files, server, stopped, retries, allowances)
-            exercises = with_syntax_errors(grader.all_exercises(), found.skipped, files.notebook)
+            versions = {"python": found.python} if numbers(found.python) > (0, 0) else {}
+            newer = newer_than_here(versions)
+            exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
             attempts += tuple(f"{ATTEMPT}{each}" for each in grader.attempts if each not in worker.notes)
     result = SubmissionResult(
@@ -171,10 +176,16 @@ def _grade(
         assignment=assignment.hash,
         exercises=exercises,
         written=_written(assignment, found.written),
-        notes=(*submission.notes, *_remarks(found, assignment), *attempts),
+        notes=(
+            *submission.notes,
+            *_remarks(found, assignment),
+            *_for_a_decision(exercises, newer),
+            *attempts,
+        ),
         left_out=submission.notes,
         handed_in=submission.handed_in,
         late=submission.late,
+        versions=versions,
     )
     return result, worker.deaths + grader.deaths
 
@@ -258,6 +269,12 @@ def _remarks(found: Found, assignment: Assignment) -> Iterator[str]:
     failed = [each for each in found.skipped if each.reason != NO_DEFINITION]
     for each in failed[:_MOST_NOTES]:
         yield f"code cell {each.cell}, line {each.line}: {each.reason[:200]}"
+
+
+def _for_a_decision(exercises: Iterable[ExerciseResult], newer: Newer) -> Iterator[str]:
+    """Return a note that names the exercises whose points a person has to decide."""
+    if names := [each.name for each in exercises if each.state == "undecided"]:
+        yield f"needs a decision ({', '.join(names)}): the notebook is written in {newer.against('the grader')}"
 
 
 class SubmissionGrader:
@@ -344,7 +361,8 @@ class SubmissionGrader:
                 report = explain(exercise, outcomes, f"stopped after {exercise.seconds:g} seconds")
         except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
             return [f"{exercise.number} {exercise.name}: {UNREADABLE}."]
-        return [line[:LONGEST_TEXT] for line in report.lines]
+        lines = [*report.lines, *where_reused(report.lines, code_cells(self.files.notebook))]
+        return [line[:LONGEST_TEXT] for line in lines]
 
     def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""

@@ -17,6 +17,7 @@ State = Literal[
     "changes its input",
     "not attempted",
     "not found",
+    "undecided",
 ]
 Status = Literal["graded", "refused"]
 _LONGEST_KIND = 200  # characters
@@ -73,7 +74,10 @@ class ExerciseResult:
     @property
     def kind(self) -> str:
         """The kind of a wrong answer, equal for answers that fail alike; empty if there is no wrong answer."""
-        if self.state in ("right", "not attempted", "not found") or self.earned >= self.points > 0:
+        if (
+            self.state in ("right", "not attempted", "not found", "undecided")
+            or self.earned >= self.points > 0
+        ):
             return ""
         said = f"mistake: {self.mistake}" if self.mistake else f"{self.state}: {self.text}"
         plain = said.encode("utf-8", "replace").decode()  # no halves of characters, which a file cannot hold
@@ -139,6 +143,8 @@ class SubmissionResult:
         When it was packed, in UTC and by the student's clock; empty if unknown.
     late : bool
         Whether the platform says that it was handed in late.
+    versions : mapping of str to str
+        What the notebook was written with, as far as it or the receipt says so: "python", "numpy" and others.
     """
 
     student: str
@@ -156,6 +162,12 @@ class SubmissionResult:
     left_out: tuple[str, ...] = ()
     handed_in: str = ""
     late: bool = False
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def undecided(self) -> tuple[ExerciseResult, ...]:
+        """The exercises that wait for a person's decision."""
+        return tuple(each for each in self.exercises if each.state == "undecided")
 
     @property
     def attempts(self) -> tuple[str, ...]:

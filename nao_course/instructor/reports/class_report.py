@@ -43,6 +43,7 @@ _KINDS: dict[
     "wrong": ("#e69f00", "//", ("wrong", "changes its input", "no usable answer")),
     "raised, ended or too slow": ("#d55e00", "xx", ("raised", "timed out", "died")),
     "not attempted": ("#b8bec2", "", ("not attempted", "not found")),
+    "to be decided": ("#56b4e9", "..", ("undecided",)),
 }
 _STYLE: Any = {
     "font.size": 10,

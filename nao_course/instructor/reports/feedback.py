@@ -75,6 +75,11 @@ _STATES: dict[State, tuple[str, str, str]] = {  # its colour, in short, and what
         "Your notebook does not define it. Was it renamed or deleted, or does its cell fail before the def? "
         "Restart the kernel, run all cells from the top and look where it stops.",
     ),
+    "undecided": (
+        "calm",
+        "A person decides",
+        "A person decides about the points, and changes them on this page.",
+    ),
 }
 
 

@@ -55,8 +55,8 @@ class Found:
         Statements that did not run.
     written : mapping of str to str
         Written answers by the name of their cell.
-    lesson, version : str
-        What the notebook says it is a copy of.
+    lesson, version, python : str
+        What the notebook says it is a copy of, and which Python it was written with.
     """
 
     names: tuple[str, ...] = ()
@@ -64,6 +64,7 @@ class Found:
     written: Mapping[str, str] = field(default_factory=dict)
     lesson: str = ""
     version: str = ""
+    python: str = ""
 
 
 @dataclass
@@ -355,10 +356,18 @@ class Worker:
                     case ("refused", str(reason)):
                         at = None
                         raise Ended("not found", printable(reason))
-                    case ("found", [*names], [*skipped], dict(written), str(lesson), str(version)):
+                    case (
+                        "found",
+                        [*names],
+                        [*skipped],
+                        dict(written),
+                        str(lesson),
+                        str(version),
+                        str(python),
+                    ):
                         told = tuple(self._skipped(each) for each in skipped[:MOST_SKIPPED])
                         self._found = Found(
-                            _texts(names), told, _answers(written), lesson[:100], version[:100]
+                            _texts(names), told, _answers(written), lesson[:100], version[:100], python[:20]
                         )
                         return
                     case _:

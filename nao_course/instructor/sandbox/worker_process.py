@@ -130,7 +130,7 @@ class RequestLoop:
         self.functions = dict(self.definitions)
         text = self.definitions.text
         skipped = [[each.cell, each.line, each.reason] for each in self.definitions.skipped]
-        found = (list(self.functions), skipped, dict(text.written), text.lesson, text.version)
+        found = (list(self.functions), skipped, dict(text.written), text.lesson, text.version, text.python)
         self.say(encode(("found", *found)))
 
     def loaded(

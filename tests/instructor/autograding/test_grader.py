@@ -334,6 +334,78 @@ def test_a_syntax_error_is_told_with_its_cell_and_line_instead_of_not_found(mark
     assert of(result, "plus_one").state == "not found"
 
 
+@pytest.mark.parametrize(
+    ("source", "error"),
+    [
+        ("def double(x: NDArray):\n    return 2 * x", "NameError"),
+        ("@jit\ndef double(x):\n    return 2 * x", "NameError"),
+        ("np = 3\ndef double(x, factor=np.full(1, 2)):\n    return factor * x", "AttributeError"),
+        ("class double(Base):\n    pass", "NameError"),
+    ],
+)
+def test_a_definition_that_fails_is_told_with_its_cell_line_and_error(marked, source, error):
+    double = of(marked({"double": source}), "double")
+    line = 1 + next(n for n, text in enumerate(source.splitlines()) if text.startswith(("def", "class")))
+    assert (
+        double.state == "raised"
+        and f"Code cell 2, which defines it, stops in line {line}: {error}" in double.text
+    )
+
+
+def test_a_name_that_is_used_again_is_named_with_its_cell(marked):
+    double = of(marked({"double": "def double(x):\n    return np.multiply(x, 2)"}, extra="np = 3"), "double")
+    assert "name np" in double.public[-2] and double.public[-1].startswith("Code cell 6 ")
+
+
+# Each is right in its version of Python; the grader of these tests is older than 3.90.
+NEWER = {
+    "3.12": 'def double(x):\n    return f"{x["a"]}"',
+    "3.12 alias": "type Numbers = list[float]\ndef double(x):\n    return 2 * x",
+    "3.12 generic": "def double[T](x: T) -> T:\n    return 2 * x",
+    "3.14": "def double(x):\n    try:\n        return 2 * x\n    except ValueError, TypeError:\n        return x",
+    "3.14 template": "def double(x):\n    return t'{x}'",
+    "a name": "import math\ndef double(x):\n    return x * math.of_a_newer_python(2)",
+    "an import": "from itertools import of_a_newer_python\ndef double(x):\n    return of_a_newer_python(x)",
+    "a library": "def double(x):\n    return np.of_a_newer_numpy(x)",
+}
+
+
+def written_in(python, functions):
+    notebook = json.loads(chain.notebook(functions))
+    notebook["metadata"]["language_info"] = {"name": "python", "version": python}
+    return json.dumps(notebook).encode()
+
+
+@pytest.mark.parametrize("source", NEWER.values(), ids=NEWER.keys())
+def test_what_an_older_python_cannot_read_waits_for_a_person(marked, source):
+    result = marked(content=written_in("3.90.1", {"double": f"{source}\n# 2"}))
+    if of(result, "double").state == "right":
+        pytest.skip("this Python knows it")
+    assert result.versions == {"python": "3.90.1"}
+    assert (of(result, "double").state, of(result, "double").earned) == ("undecided", 0)
+    assert "Python 3.90" in of(result, "double").text and "Correct" not in of(result, "double").text
+    assert any("needs a decision (double" in note for note in result.notes)
+    assert [each.earned for each in result.exercises[1:]] == [1, 1.5, 1]
+    older = marked(content=written_in("3.1.1", {"double": source}))
+    assert of(older, "double").state in ("raised", "not found") and not older.undecided
+
+
+def test_a_mistake_in_a_newer_pythons_notebook_is_a_mistake(marked):
+    for source, state in {
+        "def double(x):\n    return 3 * x": "wrong",
+        "def double(x):\n    return x.nothing": "raised",
+        "doubled = 3": "not found",
+        chain.BLANK["double"]: "not attempted",
+    }.items():
+        assert of(marked(content=written_in("3.90.1", {"double": source})), "double").state == state
+
+
+def test_annotations_are_not_evaluated_for_a_notebook_of_python_3_14(marked):
+    forward = {"double": "def double(x: Later) -> Later:\n    return 2 * x\n\nclass Later: ..."}
+    assert of(marked(content=written_in("3.14.0", forward)), "double").state == "right"
+    assert of(marked(content=written_in("3.13.0", forward)), "double").state in ("raised", "right")
+
+
 def test_the_kind_of_failure_the_line_and_the_difference_in_shape_are_told(marked):
     raised = of(
         marked({"double": "def double(x):\n    y = x\n    return y / 0 if len(x) < 3 else y.nothing"}),

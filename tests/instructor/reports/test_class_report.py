@@ -76,7 +76,7 @@ def test_of_an_exercise_without_points_the_share_is_that_of_right_answers():
 
 def test_shares_of_an_exercise_add_up():
     (only,) = exercises_of(class_of("right", "right", "wrong", "raised", "timed out", "not attempted"))
-    assert list(only.counts.values()) == [2, 1, 2, 1] and only.share == pytest.approx(1 / 3)
+    assert list(only.counts.values()) == [2, 1, 2, 1, 0] and only.share == pytest.approx(1 / 3)
     assert "Bars: share of 1 submission that have" in report_page(class_of("right"))
 
 

@@ -1,0 +1,40 @@
+"""A version in a notebook is any text; what it explains are only errors that an older version makes."""
+
+import pytest
+
+from nao_course.exercises import versions
+from nao_course.exercises.versions import newer_than_here, numbers
+
+
+@pytest.mark.parametrize("text", ["", "3", "x.y", "9" * 400 + ".1", "3.12 <b>", "\u0663.\u0661"])
+def test_what_is_no_version_is_older_than_any(text):
+    assert not newer_than_here({"python": text, "numpy": text})
+
+
+def test_versions_are_compared_by_their_first_two_numbers(monkeypatch):
+    monkeypatch.setattr(versions, "installed_versions", lambda: {"python": "3.11.7", "numpy": "2.4.6"})
+    assert (numbers("3.14.0rc2"), numbers("2.10")) == ((3, 14), (2, 10))
+    assert not newer_than_here({"python": "3.11.9", "numpy": "2.4.9", "release": "9.9"})
+    newer = newer_than_here({"python": "3.9.1", "numpy": "2.10.0"})
+    assert newer.names() == ["NumPy 2.10"] and newer.against("the grader").endswith("NumPy 2.4")
+
+
+@pytest.mark.parametrize(
+    ("error", "of"),
+    [
+        ("SyntaxError: invalid syntax", {"python"}),
+        ("AttributeError: module 'math' has no attribute 'fma'", {"python"}),
+        ("AttributeError: module 'numpy' has no attribute 'x'", {"python", "numpy"}),
+        ("AttributeError: module 'numpy.linalg' has no attribute 'x'", {"python", "numpy"}),
+        ("ImportError: cannot import name 'batched' from 'itertools' (/x)", {"python"}),
+        ("ModuleNotFoundError: No module named 'annotationlib'", {"python"}),
+        ("ModuleNotFoundError: No module named 'string.templatelib'; 'string' is not a package", {"python"}),
+        ("ModuleNotFoundError: No module named 'torch'", set()),
+        ("AttributeError: module 'helper' has no attribute 'x'", set()),
+        ("NameError: name 'x' is not defined", set()),
+        ("IndentationError: unexpected indent", set()),
+    ],
+)
+def test_only_errors_of_an_older_version_are_explained(error, of):
+    theirs = {"python": "99.1", "numpy": "99.1"}
+    assert {name for name in theirs if newer_than_here({name: theirs[name]}).explains(error)} == of
