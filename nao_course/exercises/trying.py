@@ -200,8 +200,8 @@ def advice_on(complaint: str, line: str = "") -> list[str]:
     if whose := _WHOSE.search(complaint):
         if whose[1]:
             return [
-                f"A cell of your notebook gives the name {whose[2]} to a value of type {whose[3]}. If you meant a module "
-                "or function, give that value another name, restart the kernel and run all cells."
+                f"A cell of your notebook gives the name {whose[2]} to a value of type {whose[3]}. If you meant a "
+                "module or function, give that value another name, restart the kernel and run all cells."
             ]
         if whose[3] == "int":
             return ["That is a whole number. Are the arguments in the order of the function's first line?"]

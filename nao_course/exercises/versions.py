@@ -13,10 +13,8 @@ from importlib.metadata import PackageNotFoundError, version
 _LIBRARIES = ("nao-course", "numpy", "opencv-python-headless", "scipy")
 _SPOKEN = {"python": "Python", "numpy": "NumPy", "opencv-python-headless": "OpenCV", "scipy": "SciPy"}
 _MODULES = {"numpy": "numpy", "cv2": "opencv-python-headless", "scipy": "scipy"}
-_NEW_MODULES = {
-    "annotationlib",
-    "compression",
-}  # of Python 3.14; a new submodule is in a package that is known
+# Of Python 3.14. A new submodule is in a package that is known.
+_NEW_MODULES = {"annotationlib", "compression"}
 _NUMBERS = re.compile(r"(\d{1,4})\.(\d{1,4})(?:[.\w+-]{0,20})?", re.ASCII)
 _NEW_SYNTAX = re.compile(r"SyntaxError\b")
 _LACKS = re.compile(r"(?:module|from|No module named) '(\w+)[\w.]*'")
@@ -42,7 +40,7 @@ def numbers(text: str) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Newer:
-    """Versions of a notebook that are newer than the ones that run here; false if there are none.
+    """Versions of a notebook that are newer than the installed ones; false if there are none.
 
     Parameters
     ----------
@@ -84,7 +82,7 @@ class Newer:
 
 
 def newer_than_here(versions: Mapping[str, str]) -> Newer:
-    """Compare the versions of a notebook, which are untrusted, with the ones that run here."""
+    """Compare the versions of a notebook, which are untrusted, with the installed versions."""
     here = installed_versions()
     names = [
         name for name in _SPOKEN if name in here and numbers(versions.get(name, "")) > numbers(here[name])
