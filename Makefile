@@ -20,7 +20,7 @@ LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-v
 	--generate-hashes --no-strip-extras --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help lab demo test lint test-quick test-slow test-all bench build site bundles lock clean
+.PHONY: help lab demo test lint test-changed test-quick test-slow test-all bench build site bundles lock clean
 .NOTPARALLEL:
 
 help:  ## say what there is
@@ -39,6 +39,9 @@ lint: .venv/dev.stamp
 	@$(PY) -m ruff format --check . || { echo "Run .venv/bin/ruff format . to change these files." >&2; exit 1; }
 	$(PY) -m ruff check .
 	$(PY) -m mypy
+
+test-changed: .venv/dev.stamp  ## the tests that mirror the files you have changed
+	$(PYTEST) -m "not slow and not browser" $$($(PY) -m tests.changed) $(PYTEST_ARGS)
 
 test-quick: .venv/dev.stamp
 	$(PYTEST) -m "not slow and not browser" $(PYTEST_ARGS)

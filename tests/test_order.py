@@ -5,6 +5,7 @@ import subprocess
 import sys
 from itertools import groupby
 
+from tests.changed import tests_of
 from tests.order import APART, FIRST, in_order, unit_of
 from tests.paths import PROJECT
 
@@ -63,3 +64,15 @@ def test_a_test_that_hangs_fails_once_and_the_others_run(tmp_path):
         check=False,
     )
     assert "1 failed, 2 passed" in run.stdout, run.stdout
+
+
+def test_a_changed_file_is_tested_by_the_file_or_the_folder_that_mirrors_it():
+    found = [
+        next(tests_of([path]))
+        for path in (
+            "nao_course/sim/nao.py",
+            "nao_course/widgets/control_panel/screen.py",
+            "deploy/hub/names.py",
+        )
+    ]
+    assert found == ["tests/sim/test_nao.py", "tests/widgets/control_panel", "tests/deploy"]

@@ -76,7 +76,7 @@ class Screen:
         self.show_chosen()
 
     def show_chosen(self) -> None:
-        """Perceive the chosen camera's picture unless that was done already, and show everything."""
+        """Run the functions on the chosen camera's picture unless that was done already, and show everything."""
         self._cockpit.glance(self._camera)
         error = self._own.perceive(self._cockpit.pictures[self._camera])
         self._cockpit.error = error or self._cockpit.error
