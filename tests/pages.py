@@ -5,7 +5,14 @@ from typing import get_args
 
 from hypothesis import strategies as st
 
-from nao_course.instructor.gradebook.records import ExerciseResult, State, SubmissionResult, WrittenAnswer
+from nao_course.instructor.gradebook.records import (
+    ExerciseResult,
+    Mark,
+    State,
+    SubmissionResult,
+    WrittenAnswer,
+    fingerprint,
+)
 
 RUBRIC, MISTAKE, FOR_ASSISTANTS = "Rubric-7f3a", "Mistake-7f3a", "Assistant-7f3a"
 HOSTILE = (
@@ -189,6 +196,14 @@ def exercise(state="right", **changed):
 def answer(**changed):
     values = {"name": "why_hsl", "number": "1.W1", "points": 2.0, "question": "Why HSL?", "rubric": RUBRIC}
     return WrittenAnswer(**{**values, "text": "Because of the shadows.", **changed})
+
+
+def mark(points=1.5, comment="", *, text="Because of the shadows.", **changed):
+    """A mark of `answer(text=text)`."""
+    values = {"student": "ada", "lesson": "01_hsl_filtering", "question": "why_hsl", "time": "2026-01-01"}
+    return Mark(
+        **{**values, "points": points, "comment": comment, "decided_on": fingerprint(text), **changed}
+    )
 
 
 def result(student="ada", *parts, **changed):

@@ -14,7 +14,7 @@ from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.requests import request_files, requests_in
-from nao_course.instructor.commands import FEEDBACK, handed_in_before
+from nao_course.instructor.commands import FEEDBACK, handed_in_before, list_problems, results_of, write_pages
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Request, SubmissionResult
 from nao_course.instructor.reports import comment_sheets
@@ -33,10 +33,10 @@ def report(grades: Path) -> Iterator[str]:
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         yield f"wrote {write_report(journal, grades / 'report.html')}"
-        write = feedback_writer(journal, grades / FEEDBACK)
-        pages = [write(result) for result in journal.each_result()]
+        pages = write_pages(journal, grades, journal.each_result())
         yield f"wrote {say_count(len(pages), 'feedback page')} again, with the deadlines of course.toml"
         yield from unknown_extensions(journal)
+        yield from list_problems(journal)
 
 
 def unknown_extensions(journal: Journal) -> Iterator[str]:
@@ -93,13 +93,14 @@ def read_comments(grades: Path, file: Path) -> Iterator[str]:
         changed = {
             (each.lesson, each.exercise, each.kind) for each in comment_sheets.read_comments(journal, file)
         }
-        write = feedback_writer(journal, grades / FEEDBACK)
-        pages = [
-            write(result)
+        concerned = (
+            result
             for result in journal.each_result()
             if any((result.lesson, each.name, each.kind) in changed for each in result.exercises)
-        ]
+        )
+        pages = write_pages(journal, grades, concerned)
         yield f"{say_count(len(changed), 'comment')} new or changed, on {say_count(len(pages), 'feedback page')}"
+        yield from list_problems(journal)
 
 
 def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
@@ -116,16 +117,16 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
             texts, problems = request_files(submissions, scratch, course.names(), journal.students())
             found = []
             for student, text in sorted(texts.items()):
-                results = list(journal.each_result(student=student))
-                lessons = {each.name: result.lesson for result in results for each in result.exercises}
-                asked, lost = requests_in(text, lessons)
-                found += [Request(student, lessons[name], name, said) for name, said in asked.items()]
-                problems += [f"{student}: no exercise of this student is named in {line!r}" for line in lost]
+                with journal.for_one(student, "requests", "the file was not read"):
+                    results = list(journal.each_result(student=student))
+                    lessons = {each.name: result.lesson for result in results for each in result.exercises}
+                    asked, lost = requests_in(text, lessons)
+                    found += [Request(student, lessons[name], name, said) for name, said in asked.items()]
+                    problems += [
+                        f"{student}: no exercise of this student is named in {line!r}" for line in lost
+                    ]
             new = {(each.student, each.lesson) for each in journal.request(found)}
-            write = feedback_writer(journal, grades / FEEDBACK)
-            for student, lesson in sorted(new):
-                for result in journal.each_result(lesson, student):
-                    write(result)
+            write_pages(journal, grades, results_of(journal, sorted(new)))
             yield from (f"not read: {each}" for each in problems)
         waiting = [each for each in journal.requests() if not each.answer]
     yield f"{say_count(len(waiting), 'open request')}{':' if waiting else ''}"
@@ -136,6 +137,7 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
             "Answer with nao-course regrade GRADES --student NAME --reason TEXT, and --set EXERCISE=POINTS or "
             "--keep EXERCISE."
         )
+    yield from list_problems(journal)
 
 
 def keep_points(grades: Path, student: str, exercise: str, reason: str) -> Iterator[str]:
@@ -152,7 +154,7 @@ def keep_points(grades: Path, student: str, exercise: str, reason: str) -> Itera
         answered = [
             result
             for result in journal.each_result(student=student)
-            if journal.answer(student, result.lesson, exercise, reason.strip())
+            if journal.answer(student, result.lesson, exercise, reason.strip(), result.answer_to(exercise))
         ]
         if not answered:
             raise ValueError(f"there is no open request of {student!r} about {exercise!r}")

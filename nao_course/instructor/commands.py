@@ -20,7 +20,13 @@ from nao_course.exercises import lesson_names
 from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
-from nao_course.instructor.autograding.batch import Summary, feedback_writer, installed, mean_score
+from nao_course.instructor.autograding.batch import (
+    LessonSummary,
+    Summary,
+    feedback_writer,
+    installed,
+    summarise,
+)
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.autograding.session import Machines, open_session
@@ -34,6 +40,7 @@ from nao_course.instructor.collecting.submissions import (
 )
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
+from nao_course.instructor.gradebook.scores import all_scores
 from nao_course.instructor.personal_numbers import PersonalNumbers, read_worlds
 from nao_course.instructor.reports import exports, marking_sheets, platforms
 from nao_course.instructor.reports.feedback import feedback_page
@@ -73,7 +80,7 @@ def grade_folder(console: Console, path: Path, out: Path, lessons: Sequence[str]
             summary = run(console, journal, out, waiting, machines)
             _show(console, journal, summary, {each.lesson for each in waiting}, found)
             _list_not_graded(console, (*summary.failed, *found.not_graded), out / NOT_GRADED)
-    if summary.failed or found.not_graded:
+    if summary.failed or found.not_graded or journal.problems:
         raise typer.Exit(1)
 
 
@@ -212,9 +219,11 @@ def _show(
     table.add_row("graded", str(summary.graded))
     table.add_row("refused", str(len(summary.refused)))
     table.add_row("unchanged", str(summary.unchanged))
+    changed = []
     for lesson in sorted(lessons):
-        count, mean, points = mean_score(journal, lesson)
-        table.add_row(f"{lesson}, mean so far", f"{mean:.2f} of {points:g} ({count} graded in all)")
+        about = summarise(journal, lesson)
+        table.add_row(f"{lesson}, mean so far", _mean(about))
+        changed += list(_changed(lesson, about))
     console.print(table)
     not_graded = (*summary.failed, *found.not_graded)
     reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
@@ -223,6 +232,8 @@ def _show(
         ("NEEDS A DECISION (look at the answer, then nao-course regrade --set)", summary.undecided),
         ("Left out", found.unknown[len(found.not_graded) :]),
         ("Seen by the sandbox", summary.attempts),
+        ("Decisions on earlier answers", changed),
+        ("FAILED for one student", journal.problems),
         ("NOT GRADED", not_graded),
     ):
         if lines:
@@ -232,6 +243,29 @@ def _show(
                 console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)
             if len(lines) > most:
                 console.print(f"  and {len(lines) - most} more")
+
+
+def _mean(about: LessonSummary) -> str:
+    """Return the mean of the graded submissions; and of all, since exports contain the refused ones, too."""
+    graded, every = about.graded, about.graded + about.refused
+    said = f"{sum(graded) / max(len(graded), 1):.2f} of {about.worth:g} ({len(graded)} graded in all)"
+    if about.refused:
+        said += f"; {sum(every) / len(every):.2f} with {len(about.refused)} refused, as in exports"
+    return said
+
+
+def _changed(lesson: str, about: LessonSummary) -> Iterator[str]:
+    """Yield a line for each kind of decision that does not count any more."""
+    if about.changed_marks:
+        verb = "has" if about.changed_marks == 1 else "have"
+        count = say_count(about.changed_marks, "marked answer")
+        yield f"{lesson}: {count} {verb} changed: run nao-course marks GRADES"
+    for result, change in about.changed_overrides:
+        earned = next(each.earned for each in result.exercises if each.name == change.exercise)
+        yield (
+            f"{result.student}, {lesson}, {change.exercise}: {change.points:g} by hand for an earlier answer; now the "
+            f"grader's {earned:g} count, unless you say nao-course regrade --set {change.exercise}=POINTS"
+        )
 
 
 def _list_not_graded(console: Console, not_graded: Sequence[str], file: Path) -> None:
@@ -263,7 +297,7 @@ def regrade_student(
         if points:
             change = override(result, points, reason)
             journal.override(change)
-            journal.answer(result.student, result.lesson, change.exercise, change.reason)
+            journal.answer(result.student, result.lesson, change.exercise, change.reason, change.decided_on)
             page = feedback_writer(journal, grades / FEEDBACK)(result)
             console.print(
                 f"{escape(student)}, {result.lesson}: {change.exercise} counts {change.points:g} points from now on. "
@@ -284,7 +318,24 @@ def regrade_student(
             mine = add_earlier(mine, load_course(), journal, scratch)
             summary = run(console, journal, grades, mine, Machines())
             _show(console, journal, summary, [result.lesson], Gathered((), ()))
-    if summary.failed:
+    if summary.failed or journal.problems:
+        raise typer.Exit(1)
+
+
+def write_pages(journal: Journal, grades: Path, results: Iterable[SubmissionResult]) -> list[Path]:
+    """Write feedback pages; a page that fails is among the journal's problems."""
+    write, pages = feedback_writer(journal, grades / FEEDBACK), []
+    for result in results:
+        with journal.for_one(result.student, result.lesson, "the feedback page was not written"):
+            pages.append(write(result))
+    return pages
+
+
+def list_problems(journal: Journal) -> Iterator[str]:
+    """Yield what failed for single students; end the command with status 1 after it."""
+    if journal.problems:
+        yield f"FAILED for {say_count(len(journal.problems), 'student')}; everything else is done:"
+        yield from journal.problems
         raise typer.Exit(1)
 
 
@@ -326,6 +377,7 @@ def override(result: SubmissionResult, change: str, reason: str) -> Override:
     """
     name, _, number = change.partition("=")
     worth = {each.name: each.points for each in result.exercises}
+    earned = {each.name: each.earned for each in result.exercises}
     if name not in worth:
         raise ValueError(f"{result.lesson} has no exercise {name!r}; it has {', '.join(worth)}")
     try:
@@ -336,7 +388,15 @@ def override(result: SubmissionResult, change: str, reason: str) -> Override:
         raise ValueError(f"{name} is worth 0 to {worth[name]:g} points, got {number}")
     if not reason.strip():
         raise ValueError("say why with --reason: the journal keeps it, and the student reads it")
-    return Override(result.student, result.lesson, name, points, reason.strip())
+    return Override(
+        result.student,
+        result.lesson,
+        name,
+        points,
+        reason.strip(),
+        decided_on=result.answer_to(name),
+        earned=earned[name],
+    )
 
 
 # --- for other systems and for people ---
@@ -379,8 +439,9 @@ def export(
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if format_ in platforms.PLATFORMS:
             yield from _platform(journal, grades, format_, lesson, sheet, column, scale)
-            return
-        yield f"wrote {exports.write_csv(journal, grades / exports.FOLDER, _lesson(journal, lesson))}"
+        else:
+            yield f"wrote {exports.write_csv(journal, grades / exports.FOLDER, _lesson(journal, lesson))}"
+        yield from list_problems(journal)
 
 
 def _platform(
@@ -390,12 +451,15 @@ def _platform(
     if sheet is None:
         raise exports.ExportError(f"{platform}'s own sheet is filled in: say --sheet THEIRS.csv")
     name = _lesson(journal, lesson) or _only_lesson(journal)
-    made = exports.all_scores(journal, name)
+    made = all_scores(journal, name)
     filled = platforms.fill_sheet(platform, sheet, made, column, scale=scale)
     folder = grades / exports.FOLDER
     path = write_whole(folder / f"{platform}_{name}.csv", filled.table)
     yield f"wrote {path}: {say_count(filled.filled, 'row')} filled in"
-    pages = [(each.result, feedback_page(each).encode()) for each in made]
+    pages = []
+    for each in made:
+        with journal.for_one(each.result.student, name, "the feedback page is not in the zip"):
+            pages.append((each.result, feedback_page(each).encode()))
     archive, without = platforms.feedback_zip(platform, pages)
     path = write_whole(folder / f"{platform}_feedback_{name}.zip", archive)
     yield f"wrote {path}: for {platforms.UPLOADS[platform]}"
@@ -432,6 +496,7 @@ def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
             yield f"wrote {say_count(len(written), 'result')} into {folder / name}"
             yield f"wrote {write_autograder(course, name, secret, folder)}"
     yield "An autograder's zip holds the solution: upload it to Gradescope, and give it to nobody."
+    yield from list_problems(journal)
 
 
 def _lesson(journal: Journal, wanted: str) -> str | None:
@@ -472,17 +537,21 @@ def marks(
             return
         taken = marking_sheets.read_marks(journal, file, partial(student_code, load_secret()))
         yield f"{say_count(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
-        changed = {(each.student, each.lesson) for each in taken.changed}
-        write = feedback_writer(journal, grades / FEEDBACK)
-        for student, lesson in sorted(changed):
-            for result in journal.each_result(lesson, student):
-                write(result)
+        changed = sorted({(each.student, each.lesson) for each in taken.changed})
+        write_pages(journal, grades, results_of(journal, changed))
         if taken.open:
             names = ", ".join(student for student, _ in taken.open[:_SHOWN])
             more = f" and {len(taken.open) - _SHOWN} more" if len(taken.open) > _SHOWN else ""
             yield f"Still to mark: {say_count(len(taken.open), 'answer')} ({names}{more})"
         else:
             yield "Nothing is left to mark in it."
+        yield from list_problems(journal)
+
+
+def results_of(journal: Journal, keys: Iterable[tuple[str, str]]) -> Iterator[SubmissionResult]:
+    """Yield the results of students in lessons."""
+    for student, lesson in keys:
+        yield from journal.each_result(lesson, student)
 
 
 def _sheets(journal: Journal, grades: Path, anonymous: bool, worlds: Mapping[str, str]) -> Iterator[str]:
@@ -497,3 +566,4 @@ def _sheets(journal: Journal, grades: Path, anonymous: bool, worlds: Mapping[str
         yield "Fill in points and comment, save as CSV, and say nao-course marks GRADES FILE."
     else:
         yield "No written question has been handed in: there is nothing to mark."
+    yield from list_problems(journal)

@@ -11,6 +11,8 @@ from nao_course.instructor import class_commands, commands
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.late import LatePolicy
+from nao_course.instructor.reports import feedback
 from tests.pages import Page, exercise, result
 from tests.toy import chain
 
@@ -70,6 +72,41 @@ def test_pages_report_and_export_tell_what_a_late_submission_costs(grades):
     rows = table_of(grades)
     assert [rows["ada"][f"{LESSON} {name}"] for name in ("points", "late", "deducted")] == ["3", "yes", "1"]
     assert "not by how much" in rows["eve"][f"{LESSON} notes"]
+
+
+FAILING = {"one score": (LatePolicy, "lateness"), "one page": (feedback, "feedback_page")}
+
+
+@pytest.mark.parametrize("failing", FAILING)
+@pytest.mark.parametrize(
+    "command", [["report"], ["export", "--format", "csv"], ["export", "--format", "moodle"]]
+)
+def test_a_students_work_that_fails_is_listed_and_all_other_work_is_done(
+    grades, tmp_path, monkeypatch, failing, command
+):
+    owner, name = FAILING[failing]
+    whole = getattr(owner, name)
+
+    def fails_for_ben(*words):
+        if "ben" in repr(words[-1]):
+            raise OverflowError("date value out of range")
+        return whole(*words)
+
+    monkeypatch.setattr(owner, name, fails_for_ben)
+    monkeypatch.setattr(commands, "feedback_page", feedback.feedback_page)
+    sheet = tmp_path / "sheet.csv"
+    sheet.write_text("Identifier,Full name,Grade,Maximum Grade\n", "utf-8")
+    more = ["--sheet", str(sheet)] if "moodle" in command else []
+    said = CliRunner().invoke(cli.app, [command[0], str(grades), *command[1:], *more])
+    is_concerned = failing == "one score" or "csv" not in command
+    assert said.exit_code == is_concerned, said.output
+    assert ("OverflowError: date value out of range" in said.output) == is_concerned
+    assert not isinstance(said.exception, OverflowError)
+    if command == ["report"]:
+        assert all(page_of(grades, student) for student in ("ada", "eve"))
+    elif "csv" in command:
+        rows = (grades / "exports" / "grades.csv").read_text("utf-8-sig").splitlines()
+        assert [row.split(",")[0] for row in rows[1:]] == ["ada", *(["ben"] * (not is_concerned)), "eve"]
 
 
 def test_an_extension_stands_on_the_page_and_a_misspelt_name_is_reported(course, grades):

@@ -19,6 +19,7 @@ from nao_course.instructor.autograding.batch import grade_all
 from nao_course.instructor.autograding.grader import GraderError
 from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import NAME, Journal
+from nao_course.instructor.gradebook.scores import all_scores
 from nao_course.instructor.sandbox.layers import probe
 from tests.handed_in import NOTEBOOK
 from tests.paths import PROJECT
@@ -404,6 +405,33 @@ def test_points_can_be_given_by_hand_with_a_reason(graded):
     )
     (page,) = (graded / "feedback").rglob("*leo*/*.html")
     assert "nearly" in page.read_text()
+
+
+def test_decisions_stay_with_the_answer_that_they_were_made_for(course, warm, tmp_path):
+    grades, sheet = tmp_path / "grades", tmp_path / "grades" / "marking" / f"{chain.LESSON}_why.csv"
+
+    def grade(answer, **functions):
+        chain.hand_in(tmp_path / "in", "ada", chain.notebook(functions, answer))
+        said = run("grade", tmp_path / "in", "--out", grades)
+        assert said.exit_code == 0, said.output
+        with Journal(grades) as journal:
+            (score,) = all_scores(journal)
+        return {each.name: score.of(each) for each in score.result.exercises}, score.waiting, said.output
+
+    slip = chain.MISTAKES["double"]
+    grade("Because.", double=slip)
+    run("marks", grades)
+    sheet.write_text(sheet.read_text("utf-8-sig").replace("Because.,,,", "Because.,1.5,,"), "utf-8")
+    assert "1 mark read" in run("marks", grades, sheet).output
+    run("regrade", grades, "--student", "ada", "--set", "double=1", "--reason", "nearly")
+    points, waiting, said = grade("Because.", double=slip, total=chain.MISTAKES["total"])
+    assert (points["double"], points["total"], waiting) == (1, 0, ()) and "Decisions" not in said
+    points, waiting, said = grade("Since.", double=f"{slip}  # again")
+    assert (points["double"], len(waiting)) == (0, 1)
+    assert "1 marked answer has changed: run nao-course marks" in said
+    assert "ada, 90_chain, double: 1 by hand for an earlier answer; now the grader's 0 count" in said
+    points, waiting, _ = grade("Because.", double=chain.RIGHT["double"])
+    assert (points["double"], waiting) == (2, ())
 
 
 @pytest.mark.parametrize(

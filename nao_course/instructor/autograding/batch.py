@@ -19,7 +19,7 @@ from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
-from nao_course.instructor.gradebook.scores import each_score
+from nao_course.instructor.gradebook.scores import each_journal_score
 from nao_course.instructor.sandbox.warm_server import WarmServer
 
 Submit = Callable[[Submission, Assignment], Future[SubmissionResult]]
@@ -128,7 +128,8 @@ def grade_all(
             if isinstance(outcome, GraderError):
                 summary.failed.append(str(outcome))
             else:
-                publish(outcome)
+                with journal.for_one(outcome.student, outcome.lesson, "the feedback page was not written"):
+                    publish(outcome)
                 journal.keep(outcome, versions)
                 summary.attempts += [
                     f"{outcome.student}, {outcome.lesson}: {each}" for each in outcome.attempts
@@ -202,13 +203,43 @@ def installed() -> str:
     return ", ".join(f"{name} {version}" for name, version in installed_versions().items())
 
 
-def mean_score(journal: Journal, lesson: str) -> tuple[int, float, float]:
-    """Return how many graded results of a lesson there are, their mean points so far and what it is worth."""
-    count, earned, points = 0, 0.0, 0.0
-    graded = (each for each in journal.each_result(lesson) if each.status == "graded")
-    for score in each_score(graded, journal.overrides(lesson), journal.marks(lesson), journal.policy):
-        count, earned, points = count + 1, earned + score.earned, score.points
-    return count, earned / max(count, 1), points
+@dataclass
+class LessonSummary:
+    """What a class has in one lesson so far.
+
+    Parameters
+    ----------
+    graded, refused : list of float
+        Points of each graded and of each refused submission, as exports contain them.
+    worth : float
+        Points of the lesson.
+    changed_marks : int
+        Written answers that a person has marked and that the student has changed since.
+    changed_overrides : list of (SubmissionResult, Override)
+        Points by hand that do not count any more, because the answer has changed, or because the grader gives more.
+    """
+
+    graded: list[float] = field(default_factory=list)
+    refused: list[float] = field(default_factory=list)
+    worth: float = 0.0
+    changed_marks: int = 0
+    changed_overrides: list[tuple[SubmissionResult, Override]] = field(default_factory=list)
+
+
+def summarise(journal: Journal, lesson: str) -> LessonSummary:
+    """Return what a class has in a lesson."""
+    summary = LessonSummary()
+    for score in each_journal_score(journal, lesson):
+        (summary.graded if score.result.status == "graded" else summary.refused).append(score.earned)
+        summary.worth = max(summary.worth, score.points)
+        summary.changed_marks += sum(each.name in score.earlier_marks for each in score.waiting)
+        points = {each.name: each.earned for each in score.result.exercises}
+        summary.changed_overrides += [
+            (score.result, each)
+            for each in score.earlier_overrides.values()
+            if each.points != points[each.about]
+        ]
+    return summary
 
 
 def feedback_writer(journal: Journal, folder: Path) -> Callable[[SubmissionResult], Path]:

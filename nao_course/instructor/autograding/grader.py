@@ -28,6 +28,7 @@ from nao_course.exercises.judging import explain
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.versions import Newer, newer_than_here, numbers
+from nao_course.instructor.autograding.answers import with_answers
 from nao_course.instructor.autograding.assignment import Assignment, Task
 from nao_course.instructor.autograding.failures import (
     CHANGES_INPUT,
@@ -165,6 +166,7 @@ def _grade(
             versions = {"python": found.python} if numbers(found.python) > (0, 0) else {}
             newer = newer_than_here(versions)
             exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
+            exercises = with_answers(exercises, notebook)
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
             attempts += tuple(f"{ATTEMPT}{each}" for each in grader.attempts if each not in worker.notes)
     result = SubmissionResult(

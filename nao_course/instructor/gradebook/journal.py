@@ -11,8 +11,9 @@ import json
 import sqlite3
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.gradebook.records import (
@@ -22,12 +23,17 @@ from nao_course.instructor.gradebook.records import (
     Request,
     SubmissionResult,
     as_json,
+    fingerprint,
     from_json,
     now,
 )
 
+Decision = Override | Mark | Comment | Request
+D = TypeVar("D", Override, Mark, Comment, Request)
+Given = TypeVar("Given", Override, Mark)
+
 NAME = "journal.sqlite"
-VERSION = 1
+VERSION = 2
 PATIENCE = 60.0  # seconds that one grader waits for another one's transaction
 _APPLICATION = 0x4E414F4A  # "NAOJ": distinguishes this file from other SQLite files
 _COLUMNS = "student, lesson, submission, assignment, status, level, seconds, versions, time, result"
@@ -45,17 +51,19 @@ CREATE TABLE marks (
     time TEXT NOT NULL);
 CREATE TABLE runs (submissions TEXT NOT NULL, time TEXT NOT NULL);
 PRAGMA application_id = {_APPLICATION};
-PRAGMA user_version = {VERSION};
 """
-_COMMENTS = """
+_VERSION_2 = f"""
 CREATE TABLE IF NOT EXISTS comments (
-    lesson TEXT NOT NULL, exercise TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL, time TEXT NOT NULL)
-"""
-
-_REQUESTS = """
+    lesson TEXT NOT NULL, exercise TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL, time TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS requests (
     student TEXT NOT NULL, lesson TEXT NOT NULL, exercise TEXT NOT NULL, text TEXT NOT NULL, answer TEXT NOT NULL,
-    time TEXT NOT NULL)
+    time TEXT NOT NULL);
+ALTER TABLE overrides ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
+ALTER TABLE overrides ADD COLUMN earned REAL NOT NULL DEFAULT 0;
+ALTER TABLE marks ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
+ALTER TABLE comments ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
+ALTER TABLE requests ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
+PRAGMA user_version = {VERSION};
 """
 
 
@@ -75,6 +83,11 @@ class Journal:
     policy : LatePolicy, optional
         What late submissions lose in the scores that are made of it; nothing by default.
 
+    Attributes
+    ----------
+    problems : list of str
+        What failed for single students in `for_one`.
+
     Raises
     ------
     JournalError
@@ -90,6 +103,7 @@ class Journal:
 
     def __init__(self, path: Path, *, make: bool = True, policy: LatePolicy | None = None) -> None:
         self.policy = policy
+        self.problems: list[str] = []
         self.path = path if path.suffix == ".sqlite" else path / NAME
         if not make and not self.path.is_file():
             raise JournalError(f"there is no journal {self.path}: `nao-course grade ... --out` makes it")
@@ -111,8 +125,8 @@ class Journal:
         if new:
             with self._writing():  # another grader may have been faster
                 if not self._all("SELECT name FROM sqlite_master"):
-                    for statement in _SCHEMA.split(";"):
-                        self._database.execute(statement)
+                    self._run(_SCHEMA)
+                    self._run(_VERSION_2)
             application, version = self._pragma("application_id"), self._pragma("user_version")
         if application != _APPLICATION:
             raise JournalError(f"{self.path} is an SQLite file, but no journal of this course: move it away")
@@ -122,6 +136,36 @@ class Journal:
             )
         if new:
             self._database.execute("PRAGMA journal_mode = WAL")
+        if version < VERSION:
+            with self._writing():
+                if self._pragma("user_version") < VERSION:
+                    self._run(_VERSION_2)
+                    self._decide_on_present_answers()
+
+    def _run(self, statements: str) -> None:
+        for statement in statements.split(";"):
+            self._database.execute(statement)
+
+    def _decide_on_present_answers(self) -> None:
+        """Assign the decisions of an older journal, which do not name their answers, to the present answers."""
+        for result in self.each_result():
+            key = (result.student, result.lesson)
+            of_key = "WHERE student = ? AND lesson = ?"
+            self._database.execute(f"UPDATE requests SET decided_on = ? {of_key}", (result.submission, *key))
+            for each in result.exercises:
+                self._database.execute(
+                    f"UPDATE overrides SET decided_on = ?, earned = ? {of_key} AND exercise = ?",
+                    (result.submission, each.earned, *key, each.name),
+                )
+                self._database.execute(
+                    "UPDATE comments SET decided_on = ? WHERE lesson = ? AND exercise = ? AND kind = ?",
+                    (fingerprint(each.hint), result.lesson, each.name, each.kind),
+                )
+            for answer in result.written:
+                self._database.execute(
+                    f"UPDATE marks SET decided_on = ? {of_key} AND question = ?",
+                    (answer.fingerprint, *key, answer.name),
+                )
 
     def _pragma(self, name: str) -> int:
         return int(self._all(f"PRAGMA {name}")[0][0])
@@ -137,6 +181,24 @@ class Journal:
     def close(self) -> None:
         """Close the file."""
         self._database.close()
+
+    @contextmanager
+    def for_one(self, student: str, lesson: str, lost: str) -> Iterator[None]:
+        """Guard what is done for one student: a failure is listed in `problems`, and the others' work goes on.
+
+        Parameters
+        ----------
+        student, lesson : str
+            The student and the lesson that the work is for.
+        lost : str
+            What a failure means, such as "the feedback page was not written".
+        """
+        try:
+            yield
+        except JournalError:
+            raise
+        except Exception as error:  # noqa: BLE001 - nobody's submission may stop another's
+            self.problems.append(f"{student}, {lesson}: {lost} ({type(error).__name__}: {error})")
 
     # --- results ---
 
@@ -183,6 +245,17 @@ class Journal:
                 "result = excluded.result, again = 0",
                 row,
             )
+            # Decisions on a whole submission are for its answers, as soon as their fingerprints are known.
+            for table in ("overrides", "requests"):
+                self._database.executemany(
+                    f"UPDATE {table} SET decided_on = ? WHERE student = ? AND lesson = ? AND exercise = ? "
+                    "AND decided_on = ?",
+                    [
+                        (each.answer, *key, each.name, result.submission)
+                        for each in result.exercises
+                        if each.answer and result.submission
+                    ],
+                )
 
     def results(self, lesson: str | None = None) -> list[SubmissionResult]:
         """Return what counts, in the order of students and lessons."""
@@ -238,44 +311,32 @@ class Journal:
     # --- what people did ---
 
     def override(self, change: Override) -> None:
-        """Keep points that a person gave an exercise; the last one counts."""
-        row = (change.student, change.lesson, change.exercise, change.points, change.reason, change.time)
+        """Keep points that a person gave an exercise; the last one for an answer counts."""
         with self._writing():
-            self._database.execute("INSERT INTO overrides VALUES (?, ?, ?, ?, ?, ?)", row)
+            self._insert("overrides", [change])
 
     def overrides(self, lesson: str | None = None) -> list[Override]:
-        """Return the last override of each exercise of each student."""
-        rows = self._all("SELECT * FROM overrides ORDER BY rowid")
-        last = {each[:3]: Override(*each) for each in rows if lesson in (None, each[1])}
-        return [last[key] for key in sorted(last)]
+        """Return the overrides of each exercise of each student, the last one for each answer, the oldest first."""
+        return _last_of_each(self._records("overrides", Override), lesson)
 
     def mark(self, marks: Iterable[Mark]) -> None:
         """Keep marks of written answers, all or none of them; the last one of an answer counts."""
         with self._writing():
-            self._database.executemany(
-                "INSERT INTO marks VALUES (?, ?, ?, ?, ?, ?)",
-                [(m.student, m.lesson, m.question, m.points, m.comment, m.time) for m in marks],
-            )
+            self._insert("marks", marks)
 
     def marks(self, lesson: str | None = None) -> list[Mark]:
-        """Return the last mark of each written answer."""
-        rows = self._all("SELECT * FROM marks ORDER BY rowid")
-        last = {each[:3]: Mark(*each) for each in rows if lesson in (None, each[1])}
-        return [last[key] for key in sorted(last)]
+        """Return the marks of each question of each student, the last one for each answer, the oldest first."""
+        return _last_of_each(self._records("marks", Mark), lesson)
 
     def comment(self, comments: Iterable[Comment]) -> None:
         """Keep comments on kinds of wrong answers, all or none of them; the last one of a kind counts."""
-        rows = [(each.lesson, each.exercise, each.kind, each.text, each.time) for each in comments]
         with self._writing():
-            self._database.execute(_COMMENTS)  # journals of earlier versions have no such table
-            self._database.executemany("INSERT INTO comments VALUES (?, ?, ?, ?, ?)", rows)
+            self._insert("comments", comments)
 
-    def comments(self) -> dict[tuple[str, str, str], str]:
+    def comments(self) -> dict[tuple[str, str, str], Comment]:
         """Return the last comment by lesson, exercise and kind, and leave out what was taken back."""
-        if not self._all("SELECT name FROM sqlite_master WHERE name = 'comments'"):
-            return {}
-        rows = self._all("SELECT lesson, exercise, kind, text FROM comments ORDER BY rowid")
-        return {kind: text for kind, text in {each[:3]: each[3] for each in rows}.items() if text}
+        last = {(each.lesson, each.exercise, each.kind): each for each in self._records("comments", Comment)}
+        return {kind: each for kind, each in last.items() if each.text}
 
     def request(self, requests: Iterable[Request]) -> list[Request]:
         """Keep requests that are not there yet, as open ones; return these."""
@@ -283,30 +344,26 @@ class Journal:
         new = [
             each for each in requests if (each.student, each.lesson, each.exercise, each.text) not in known
         ]
-        rows = [(each.student, each.lesson, each.exercise, each.text, "", now()) for each in new]
         with self._writing():
-            self._database.execute(_REQUESTS)
-            self._database.executemany("INSERT INTO requests VALUES (?, ?, ?, ?, ?, ?)", rows)
+            self._insert("requests", new, time=now())
         return new
 
-    def answer(self, student: str, lesson: str, exercise: str, answer: str) -> bool:
+    def answer(self, student: str, lesson: str, exercise: str, answer: str, decided_on: str) -> bool:
         """Answer the open requests about a student's exercise; return whether there was one."""
         key = (student, lesson, exercise, "")
         if all((each.student, each.lesson, each.exercise, each.answer) != key for each in self.requests()):
             return False
         with self._writing():
             self._database.execute(
-                "UPDATE requests SET answer = ? WHERE student = ? AND lesson = ? AND exercise = ? AND answer = ?",
-                (answer, *key),
+                "UPDATE requests SET answer = ?, decided_on = ? "
+                "WHERE student = ? AND lesson = ? AND exercise = ? AND answer = ?",
+                (answer, decided_on, *key),
             )
         return True
 
     def requests(self) -> list[Request]:
         """Return all requests, the oldest first."""
-        if not self._all("SELECT name FROM sqlite_master WHERE name = 'requests'"):
-            return []
-        rows = self._all("SELECT student, lesson, exercise, text, answer FROM requests ORDER BY rowid")
-        return [Request(*each) for each in rows]
+        return list(self._records("requests", Request))
 
     def began(self, submissions: Path) -> None:
         """Note where the submissions of a run are."""
@@ -319,6 +376,21 @@ class Journal:
         return [Path(each[0]) for each in rows]
 
     # --- SQLite ---
+
+    def _insert(self, table: str, records: Iterable[Decision], **more: str) -> None:
+        """Insert records, whose fields are the table's columns."""
+        for each in records:
+            values = vars(each) | more
+            self._database.execute(
+                f"INSERT INTO {table} ({', '.join(values)}) VALUES ({', '.join('?' * len(values))})",
+                tuple(values.values()),
+            )
+
+    def _records(self, table: str, kind: type[D]) -> Iterator[D]:
+        """Yield the rows of a table as records, the oldest first."""
+        columns = [each.name for each in fields(kind)]
+        for row in self._all(f"SELECT {', '.join(columns)} FROM {table} ORDER BY rowid"):
+            yield kind(*row)
 
     def _all(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:
         with self._plainly("read"):
@@ -346,6 +418,17 @@ class Journal:
                 f"cannot {verb} the journal {self.path}: {error}. What it held is still in it. "
                 f"{_advice(str(error))}"
             ) from None
+
+
+def _last_of_each(given: Iterable[Given], lesson: str | None) -> list[Given]:
+    """Return the last decision for each answer, by students and lessons and then the oldest first."""
+    last: dict[tuple[str, ...], Given] = {}
+    for each in given:
+        if lesson in (None, each.lesson):
+            key = (each.student, each.lesson, each.about, each.decided_on)
+            last.pop(key, None)
+            last[key] = each
+    return [last[key] for key in sorted(last, key=lambda key: key[:3])]
 
 
 def _advice(reason: str) -> str:

@@ -88,11 +88,11 @@ class LatePolicy:
             return None
         extended = given is not None and (general is None or given > general)
         handed_in = None
-        with suppress(ValueError):
+        with suppress(ValueError, OverflowError):  # a time in the year 9999 has no equal in another time zone
             handed_in = datetime.fromisoformat(result.handed_in).astimezone(due.tzinfo)
         if handed_in is None or handed_in <= due:  # the platform knows better than a student's clock
             return Lateness(due, extended, handed_in, result.late and not extended, 0, 0.0)
-        if handed_in <= due + timedelta(hours=self.grace_hours):
+        if handed_in - due <= timedelta(hours=self.grace_hours):
             return Lateness(due, extended, handed_in, False, 0, 0.0)
         days = math.ceil((handed_in - due) / timedelta(days=1))
         return Lateness(due, extended, handed_in, True, days, min(days * self.per_day, self.most))

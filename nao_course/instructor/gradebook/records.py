@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
@@ -22,6 +23,15 @@ State = Literal[
 Status = Literal["graded", "refused"]
 _LONGEST_KIND = 200  # characters
 ATTEMPT = "the sandbox saw it try: "  # how a note about that begins
+
+
+def fingerprint(text: str) -> str:
+    """Return a digest of an answer; blank lines and spaces at the ends of lines do not change it.
+
+    It begins with a letter, so that no spreadsheet takes it for a number.
+    """
+    lines = filter(None, map(str.rstrip, text.splitlines()))
+    return "a" + hashlib.sha256("\n".join(lines).encode("utf-8", "replace")).hexdigest()[:24]
 
 
 @dataclass(frozen=True)
@@ -54,6 +64,8 @@ class ExerciseResult:
         Whether it failed with the student's earlier functions and was run again with the reference's.
     notes : tuple of str
         One thing more for the student, such as that the function changes its input.
+    answer : str
+        Fingerprint of the cells that define it; empty without such a cell, and in results of earlier versions.
     """
 
     name: str
@@ -70,6 +82,7 @@ class ExerciseResult:
     mistake: str = ""
     with_reference: bool = False
     notes: tuple[str, ...] = ()
+    answer: str = ""
 
     @property
     def kind(self) -> str:
@@ -108,6 +121,11 @@ class WrittenAnswer:
     question: str
     rubric: str
     text: str = ""
+
+    @property
+    def fingerprint(self) -> str:
+        """The fingerprint of the text, which a mark belongs to."""
+        return fingerprint(self.text)
 
 
 @dataclass(frozen=True)
@@ -169,6 +187,16 @@ class SubmissionResult:
         """The exercises that wait for a person's decision."""
         return tuple(each for each in self.exercises if each.state == "undecided")
 
+    def answer_to(self, exercise: str) -> str:
+        """Return what a decision about an exercise is for: the answer's fingerprint, or the submission's hash."""
+        found = [each.answer for each in self.exercises if each.name == exercise]
+        return (found and found[0]) or self.submission
+
+    def has_answer(self, exercise: str, decided_on: str) -> bool:
+        """Return whether a decision about one of the exercises was made for the answer in this submission."""
+        found = [each.answer for each in self.exercises if each.name == exercise]
+        return bool(found) and decided_on in (found[0], self.submission)
+
     @property
     def attempts(self) -> tuple[str, ...]:
         """What the sandbox saw the student's code try, among the notes."""
@@ -185,7 +213,7 @@ class SubmissionResult:
         return sum(each.points for each in self.exercises)
 
 
-# --- what people say ---
+# --- what people say: each decision carries what it was made for, and counts for nothing else ---
 
 
 def now() -> str:
@@ -207,6 +235,10 @@ class Override:
         Why.
     time : str
         When, in UTC.
+    decided_on : str
+        Fingerprint of the answer; or the hash of the submission, if the answer's is unknown.
+    earned : float
+        Points that the grader gave that answer.
     """
 
     student: str
@@ -215,6 +247,20 @@ class Override:
     points: float
     reason: str
     time: str = field(default_factory=now)
+    decided_on: str = ""
+    earned: float = 0.0
+
+    @property
+    def about(self) -> str:
+        """The exercise."""
+        return self.exercise
+
+    def fits(self, result: SubmissionResult) -> bool:
+        """Return whether it counts: the answer is the same, and the grader has not found more in it since."""
+        earned = [each.earned for each in result.exercises if each.name == self.exercise]
+        return result.has_answer(self.exercise, self.decided_on) and earned[0] <= max(
+            self.points, self.earned
+        )
 
 
 @dataclass(frozen=True)
@@ -231,6 +277,8 @@ class Mark:
         For the student.
     time : str
         When, in UTC.
+    decided_on : str
+        `WrittenAnswer.fingerprint` of the answer.
     """
 
     student: str
@@ -239,6 +287,18 @@ class Mark:
     points: float
     comment: str = ""
     time: str = field(default_factory=now)
+    decided_on: str = ""
+
+    @property
+    def about(self) -> str:
+        """The question."""
+        return self.question
+
+    def fits(self, result: SubmissionResult) -> bool:
+        """Return whether it counts: the answer is the same."""
+        return any(
+            each.name == self.question and each.fingerprint == self.decided_on for each in result.written
+        )
 
 
 @dataclass(frozen=True)
@@ -253,6 +313,8 @@ class Comment:
         For the students; empty if an earlier comment was taken back.
     time : str
         When, in UTC.
+    decided_on : str
+        Fingerprint of the check's hint for this kind.
     """
 
     lesson: str
@@ -260,6 +322,7 @@ class Comment:
     kind: str
     text: str
     time: str = field(default_factory=now)
+    decided_on: str = ""
 
 
 @dataclass(frozen=True)
@@ -274,6 +337,8 @@ class Request:
         What the student wrote.
     answer : str
         What the person decided and why; empty while the request is open.
+    decided_on : str
+        As of an `Override`; empty while the request is open.
     """
 
     student: str
@@ -281,6 +346,7 @@ class Request:
     exercise: str
     text: str
     answer: str = ""
+    decided_on: str = ""
 
 
 # --- as JSON ---

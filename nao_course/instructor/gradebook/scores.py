@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
+from typing import TypeVar
 
+from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.late import Lateness, LatePolicy
 from nao_course.instructor.gradebook.records import (
+    Comment,
     ExerciseResult,
     Mark,
     Override,
     Request,
     SubmissionResult,
     WrittenAnswer,
+    fingerprint,
 )
 
-Comments = Mapping[tuple[str, str, str], str]  # by lesson, exercise and kind of the wrong answer
+Given = TypeVar("Given", Override, Mark)
+Comments = Mapping[tuple[str, str, str], Comment]  # by lesson, exercise and kind of the wrong answer
 
 
 @dataclass(frozen=True)
@@ -28,15 +34,17 @@ class Score:
     result : SubmissionResult
         What the grader found.
     overrides : mapping of str to Override
-        Points that a person set, by exercise; the latest.
+        Points that a person set for this answer, by exercise; the latest.
     marks : mapping of str to Mark
-        Of written answers, by question; the latest.
+        Of these written answers, by question; the latest.
     lateness : Lateness, optional
         When it was due, and what it loses; None without a deadline.
     comments : mapping of str to str
         Comments on wrong answers, by exercise.
     requests : mapping of str to Request
         The student's last request about an exercise, by exercise.
+    earlier_overrides, earlier_marks : mapping of str to Override, Mark
+        Proposals: decisions on an earlier answer, where there is none on this one. They count for nothing.
     """
 
     result: SubmissionResult
@@ -45,6 +53,8 @@ class Score:
     lateness: Lateness | None = None
     comments: Mapping[str, str] = field(default_factory=dict)
     requests: Mapping[str, Request] = field(default_factory=dict)
+    earlier_overrides: Mapping[str, Override] = field(default_factory=dict)
+    earlier_marks: Mapping[str, Mark] = field(default_factory=dict)
 
     def of(self, exercise: ExerciseResult) -> float:
         """Return the points of an exercise; points from a person replace the grader's."""
@@ -135,23 +145,63 @@ def each_score(
     policy: LatePolicy | None = None,
     comments: Comments | None = None,
     requests: Iterable[Request] = (),
+    for_one: Callable[[str, str, str], AbstractContextManager[None]] = lambda *_: nullcontext(),
 ) -> Iterator[Score]:
-    """Yield the same one by one, because all results may not fit into memory."""
-    changed: dict[tuple[str, str], dict[str, Override]] = defaultdict(dict)
-    marked: dict[tuple[str, str], dict[str, Mark]] = defaultdict(dict)
+    """Yield the same one by one, because all results may not fit into memory; `Journal.for_one` may guard each."""
+    changed: dict[tuple[str, str], list[Override]] = defaultdict(list)
+    marked: dict[tuple[str, str], list[Mark]] = defaultdict(list)
     asked: dict[tuple[str, str], dict[str, Request]] = defaultdict(dict)
     for request in requests:
         asked[request.student, request.lesson][request.exercise] = request
     for override in sorted(overrides, key=lambda each: each.time):
-        changed[override.student, override.lesson][override.exercise] = override
+        changed[override.student, override.lesson].append(override)
     for mark in sorted(marks, key=lambda each: each.time):
-        marked[mark.student, mark.lesson][mark.question] = mark
+        marked[mark.student, mark.lesson].append(mark)
     for each in results:
         key = (each.student, each.lesson)
-        said = {
-            exercise.name: text
-            for exercise in each.exercises
-            if comments and (text := comments.get((each.lesson, exercise.name, exercise.kind)))
-        }
-        lateness = policy.lateness(each) if policy else None
-        yield Score(each, changed.get(key, {}), marked.get(key, {}), lateness, said, asked.get(key, {}))
+        made: list[Score] = []
+        with for_one(*key, "it is left out, because its points cannot be added up"):
+            overrides_now, earlier_overrides = _by_answer(each, changed.get(key, ()))
+            marks_now, earlier_marks = _by_answer(each, marked.get(key, ()))
+            lateness, said = policy.lateness(each) if policy else None, _comments(each, comments or {})
+            now, earlier = (overrides_now, marks_now), (earlier_overrides, earlier_marks)
+            made = [Score(each, *now, lateness, said, asked.get(key, {}), *earlier)]
+        yield from made
+
+
+def _comments(result: SubmissionResult, comments: Comments) -> dict[str, str]:
+    """Return the comments on a result's wrong answers by exercise."""
+    found = {each.name: comments.get((result.lesson, each.name, each.kind)) for each in result.exercises}
+    hints = {each.name: each.hint for each in result.exercises}
+    return {
+        name: comment.text
+        for name, comment in found.items()
+        if comment and comment.decided_on == fingerprint(hints[name])
+    }
+
+
+def _by_answer(
+    result: SubmissionResult, decisions: Iterable[Given]
+) -> tuple[dict[str, Given], dict[str, Given]]:
+    """Return the last decisions on a result's own answers, and on earlier answers where there is none on its own."""
+    decisions = list(decisions)
+    count = {each.about: each for each in decisions if each.fits(result)}
+    return count, {each.about: each for each in decisions if each.about not in count}
+
+
+def each_journal_score(journal: Journal, lesson: str | None = None) -> Iterator[Score]:
+    """Yield the scores of a journal or of a lesson, ordered by student and lesson."""
+    yield from each_score(
+        journal.each_result(lesson),
+        journal.overrides(lesson),
+        journal.marks(lesson),
+        journal.policy,
+        journal.comments(),
+        journal.requests(),
+        journal.for_one,
+    )
+
+
+def all_scores(journal: Journal, lesson: str | None = None) -> list[Score]:
+    """Return all scores of a journal or of a lesson, ordered by student and lesson."""
+    return list(each_journal_score(journal, lesson))

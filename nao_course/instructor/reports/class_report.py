@@ -17,8 +17,7 @@ import numpy as np
 from nao_course._internal.counts import say_count
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import ExerciseResult, State
-from nao_course.instructor.gradebook.scores import Score
-from nao_course.instructor.reports.exports import all_scores
+from nao_course.instructor.gradebook.scores import Score, all_scores
 from nao_course.instructor.reports.html import (
     Markup,
     card,

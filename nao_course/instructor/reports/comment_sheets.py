@@ -9,7 +9,7 @@ from pathlib import Path
 from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import Comment, ExerciseResult, SubmissionResult
+from nao_course.instructor.gradebook.records import Comment, ExerciseResult, SubmissionResult, fingerprint
 from nao_course.instructor.reports.html import Markup, element, join, lesson_title, page, visible, write_whole
 from nao_course.instructor.reports.spreadsheets import Row, fitting, read_rows, read_table, table
 
@@ -71,20 +71,30 @@ def write_comment_sheets(
         If a table that is there has comments that were not read in: nothing is written.
     """
     wrong = wrong_answers(journal.each_result(lesson))
-    comments = journal.comments()
+    every = journal.comments()
+    comments = {kind: every[kind].text for kind in wrong if kind in every and _fits(every[kind], wrong)}
+    earlier = {kind: every[kind].text for kind in wrong if kind in every and kind not in comments}
     exercises: dict[tuple[str, str], list[Kind]] = defaultdict(list)
     for kind in wrong:
         exercises[kind[:2]].append(kind)
     paths = {exercise: folder / safe_name("_".join(exercise)) for exercise in exercises}
     for path in paths.values():
-        _refuse_to_lose(path.with_name(f"{path.name}.csv"), comments)
+        _refuse_to_lose(path.with_name(f"{path.name}.csv"), comments | earlier)
     written = []
     for exercise, kinds in exercises.items():
         rows = [(*map(fitting, kind), str(len(wrong[kind])), comments.get(kind, "")) for kind in kinds]
         path = write_whole(paths[exercise].with_name(f"{paths[exercise].name}.csv"), table([HEADER, *rows]))
-        write_whole(path.with_suffix(".html"), _page(exercise, kinds, wrong, comments, code_of, named))
+        write_whole(
+            path.with_suffix(".html"), _page(exercise, kinds, wrong, comments, earlier, code_of, named)
+        )
         written.append((path, len(kinds), sum(len(wrong[kind]) for kind in kinds)))
     return written
+
+
+def _fits(comment: Comment, wrong: Wrong) -> bool:
+    """Return whether the check still says of a kind what it said when the comment was written."""
+    hint = wrong[comment.lesson, comment.exercise, comment.kind][0][1].hint
+    return comment.decided_on == fingerprint(hint)
 
 
 def _refuse_to_lose(path: Path, comments: Mapping[Kind, str]) -> None:
@@ -120,11 +130,11 @@ def read_comments(journal: Journal, path: Path) -> list[Comment]:
     CommentsError, TableError
         If anything in it is wrong; the message names the rows.
     """
-    known = {
-        (fitting(kind[0]), fitting(kind[1]), fitting(kind[2])): kind
-        for kind in wrong_answers(journal.each_result())
+    wrong = wrong_answers(journal.each_result())
+    known = {(fitting(kind[0]), fitting(kind[1]), fitting(kind[2])): kind for kind in wrong}
+    before = {
+        kind: each.text for kind, each in journal.comments().items() if kind in wrong and _fits(each, wrong)
     }
-    before = journal.comments()
     changed: dict[Kind, Comment] = {}
     problems = []
     for row in read_table(path, HEADER):
@@ -138,7 +148,7 @@ def read_comments(journal: Journal, path: Path) -> list[Comment]:
         elif kind in changed and changed[kind].text != text:
             problems.append(f"row {row.number}: this kind has another comment in an earlier row")
         elif text != before.get(kind, ""):
-            changed[kind] = Comment(*kind, text)
+            changed[kind] = Comment(*kind, text, decided_on=fingerprint(wrong[kind][0][1].hint))
     if problems:
         more = [f"and {len(problems) - MOST_SAID} more"] if len(problems) > MOST_SAID else []
         raise CommentsError("\n".join([f"{path.name}: nothing was read in", *problems[:MOST_SAID], *more]))
@@ -158,6 +168,7 @@ def _page(
     kinds: Sequence[Kind],
     wrong: Wrong,
     comments: Mapping[Kind, str],
+    earlier: Mapping[Kind, str],
     code_of: CodeOf,
     named: Callable[[str], str],
 ) -> str:
@@ -171,7 +182,9 @@ def _page(
         *(
             part
             for kind in kinds
-            for part in _kind_shown(kind, wrong[kind], comments.get(kind, ""), code_of, named)
+            for part in _kind_shown(
+                kind, wrong[kind], comments.get(kind, ""), earlier.get(kind, ""), code_of, named
+            )
         ),
         wide=True,
     )
@@ -181,6 +194,7 @@ def _kind_shown(
     kind: Kind,
     answers: Sequence[tuple[SubmissionResult, ExerciseResult]],
     comment: str,
+    earlier: str,
     code_of: CodeOf,
     named: Callable[[str], str],
 ) -> Iterator[Markup]:
@@ -191,6 +205,9 @@ def _kind_shown(
         yield element("p", "The check says: ", hint, class_="soft")
     if comment:
         yield element("div", element("p", "Your comment: ", comment), class_="box calm")
+    if earlier:
+        said = "Your comment when the check said something else. No student sees it now: "
+        yield element("p", said, earlier, class_="soft")
     for result, each in answers:
         code = code_of(result, each.name)
         yield element(

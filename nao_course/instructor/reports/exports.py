@@ -10,8 +10,8 @@ from typing import Any
 from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import ExerciseResult, WrittenAnswer
-from nao_course.instructor.gradebook.scores import Score, scores
+from nao_course.instructor.gradebook.records import ExerciseResult, Mark, Override, WrittenAnswer
+from nao_course.instructor.gradebook.scores import Score, all_scores
 from nao_course.instructor.reports.feedback import said_of
 from nao_course.instructor.reports.html import number, visible, write_whole
 from nao_course.instructor.reports.platforms import PLATFORMS
@@ -39,18 +39,6 @@ def check_format(name: str) -> str:
         return name
     later = " nbgrader's gradebook comes in a later version." if name == "nbgrader" else ""
     raise ExportError(f"there is no format {name!r}; there are {', '.join(FORMATS)}.{later}")
-
-
-def all_scores(journal: Journal, lesson: str | None = None) -> list[Score]:
-    """Return all scores of a journal or of a lesson, ordered by student and lesson."""
-    return scores(
-        journal.results(lesson),
-        journal.overrides(lesson),
-        journal.marks(lesson),
-        journal.policy,
-        journal.comments(),
-        journal.requests(),
-    )
 
 
 # --- a table ---
@@ -126,6 +114,11 @@ def _notes(score: Score) -> list[str]:
     if score.waiting:
         notes.append(f"{say_count(len(score.waiting), 'written answer')} not marked yet")
     notes += [f"{name} set to {number(each.points)}: {each.reason}" for name, each in score.overrides.items()]
+    earlier: tuple[Override | Mark, ...] = (*score.earlier_overrides.values(), *score.earlier_marks.values())
+    notes += [
+        f"{each.about}: {number(each.points)} points were for an earlier answer and do not count"
+        for each in earlier
+    ]
     return [*notes, *score.result.notes]
 
 
@@ -204,13 +197,12 @@ def write_csv(journal: Journal, folder: Path, lesson: str | None = None) -> Path
 
 def write_gradescope(journal: Journal, folder: Path, lesson: str | None = None) -> list[Path]:
     """Write each student's results.json into LESSON/STUDENT of a folder."""
-    return [
-        write_whole(
-            folder / each.result.lesson / safe_name(each.result.student) / "results.json",
-            as_text(gradescope_results(each)),
-        )
-        for each in all_scores(journal, lesson)
-    ]
+    written = []
+    for each in all_scores(journal, lesson):
+        with journal.for_one(each.result.student, each.result.lesson, "results.json was not written"):
+            path = folder / each.result.lesson / safe_name(each.result.student) / "results.json"
+            written.append(write_whole(path, as_text(gradescope_results(each))))
+    return written
 
 
 def as_text(results: dict[str, Any]) -> str:

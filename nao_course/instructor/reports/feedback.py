@@ -238,6 +238,7 @@ def _exercises(score: Score) -> Iterator[Markup]:
 def _is_plain(score: Score, exercise: ExerciseResult, state: State) -> bool:
     """Return True if an exercise needs no details beyond its state and points."""
     by_people = {*score.overrides, *score.requests}
+    by_people |= {name for name, each in score.earlier_overrides.items() if each.points != exercise.earned}
     return exercise.state == state and not exercise.with_reference and exercise.name not in by_people
 
 
@@ -311,10 +312,19 @@ def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
         yield Said("box", comment, "A person's comment", "calm")
     if request := score.requests.get(exercise.name):
         answer = f"Answer: {request.answer}" if request.answer else "A person has still to answer."
-        yield Said("box", f"{request.text}\n{answer}", "You asked to have this checked", "calm")
+        same = not request.answer or score.result.has_answer(exercise.name, request.decided_on)
+        of = "" if same else " (for an earlier version of your answer)"
+        yield Said("box", f"{request.text}\n{answer}", f"You asked to have this checked{of}", "calm")
     if override := score.overrides.get(exercise.name):
         given = f"The grader gave {number(exercise.earned)}, a person {_points(override.points)}."
         yield Said("box", f"{given}\n{override.reason}", "A person looked at this", "calm")
+    elif earlier := score.earlier_overrides.get(exercise.name):
+        given = (
+            f"{_points(earlier.points)} from a person were for an earlier answer, to which the grader gave "
+            f"{number(earlier.earned)}. Now the {_points(exercise.earned)} of the grader count. If you think that the "
+            "person's reason still holds, ask to have it checked."
+        )
+        yield Said("box", f"{given}\n{earlier.reason}", "A person looked at an earlier answer", "calm")
 
 
 def _remarks(exercise: ExerciseResult) -> Iterator[Said]:
@@ -356,7 +366,12 @@ def _answer(score: Score, answer: WrittenAnswer) -> Iterator[Markup]:
     else:
         yield element("p", "You wrote nothing here.", class_="soft")
     mark = score.marks.get(answer.name)
-    if mark is None and given is None:
+    if mark is None and given is None and (earlier := score.earlier_marks.get(answer.name)):
+        said = f"{_points(earlier.points)} for an earlier answer. A person marks your new answer."
+        yield element("p", said, class_="state calm soft")
+        if earlier.comment.strip():
+            yield _box("calm", "What the person who marked your earlier answer said", earlier.comment)
+    elif mark is None and given is None:
         yield element("p", "A person marks this.", class_="state calm")
     elif mark is not None and mark.comment.strip():
         yield _box("calm", "What the person who marked it says", mark.comment)

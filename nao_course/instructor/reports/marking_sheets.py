@@ -6,6 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
@@ -13,7 +14,7 @@ from nao_course._internal.personal_world import EXAMPLE
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, WrittenAnswer
-from nao_course.instructor.gradebook.scores import Score, scores
+from nao_course.instructor.gradebook.scores import Score, each_journal_score
 from nao_course.instructor.reports.html import (
     Markup,
     element,
@@ -28,6 +29,8 @@ from nao_course.instructor.reports.spreadsheets import Row, TableError, fitting,
 
 FOLDER = "marking"  # in GRADES
 HEADER = ("student", "lesson", "question", "answer", "points", "comment", "max points")
+# The answer that a mark belongs to; and an earlier answer with its mark, if the student has changed it since.
+MORE = ("answer id", "earlier answer", "earlier points", "earlier comment")
 MOST_SAID = 20  # problems of a file that are listed
 _NUMBER = re.compile(r"[0-9]{1,6}(?:[.,][0-9]{0,6})?|[.,][0-9]{1,6}", re.ASCII)
 _DECIMAL = re.compile(r"(-?\d{1,6})[.,](\d{2,6})(?!\d)", re.ASCII)
@@ -88,6 +91,8 @@ class _Answer:
     score: Score
     answer: WrittenAnswer
     code: str  # instead of the student's name, where marking is anonymous
+    marks: tuple[Mark, ...]  # on all answers that the student has given to the question
+    texts: Callable[[], Mapping[str, str]]  # of these answers, by fingerprint
 
     @property
     def key(self) -> Key:
@@ -96,6 +101,11 @@ class _Answer:
     @property
     def mark(self) -> Mark | None:
         return self.score.marks.get(self.answer.name)
+
+    @property
+    def earlier(self) -> Mark | None:
+        """Return the mark of an earlier answer, if this one is not marked: a proposal."""
+        return self.score.earlier_marks.get(self.answer.name)
 
     @property
     def is_open(self) -> bool:
@@ -160,12 +170,25 @@ def write_sheets(
 
 
 def _answers(journal: Journal, code: Code) -> list[_Answer]:
-    made = scores(journal.results(), (), journal.marks())
-    return [
-        _Answer(score, answer, code(score.result.student))
-        for score in made
-        for answer in score.result.written
-    ]
+    marks: dict[Key, list[Mark]] = defaultdict(list)
+    for mark in journal.marks():
+        marks[mark.student, mark.lesson, mark.question].append(mark)
+    answers = []
+    for score in each_journal_score(journal):
+        student, lesson = score.result.student, score.result.lesson
+        written = {each.name: tuple(marks[student, lesson, each.name]) for each in score.result.written}
+        for answer in score.result.written:
+            texts = partial(_texts, journal, score, answer.name)
+            answers.append(_Answer(score, answer, code(student), written[answer.name], texts))
+    return answers
+
+
+def _texts(journal: Journal, score: Score, question: str) -> dict[str, str]:
+    """Return all answers that a student has given to a question, by their fingerprints."""
+    results = (*journal.history(score.result.student, score.result.lesson), score.result)
+    return {
+        each.fingerprint: each.text for result in results for each in result.written if each.name == question
+    }
 
 
 def _by_key(answers: Iterable[_Answer]) -> dict[Key, _Answer]:
@@ -187,15 +210,24 @@ def _write_sheet(path: Path, answers: Sequence[_Answer], anonymous: bool, number
             each.mark.points if each.mark else None,
             each.mark.comment if each.mark else "",
             each.answer.points,
+            each.answer.fingerprint,
+            *_earlier(each),
         )
         for each in given
     ]
     return Sheet(
-        write_whole(path.with_name(f"{path.name}.csv"), table([HEADER, *rows])),
+        write_whole(path.with_name(f"{path.name}.csv"), table([(*HEADER, *MORE), *rows])),
         write_whole(path.with_name(f"{path.name}.html"), _page(answers, anonymous, numbers)),
         len(given),
         sum(each.is_open for each in answers),
     )
+
+
+def _earlier(each: _Answer) -> tuple[str, float | None, str]:
+    """Return the cells about a mark on an earlier answer."""
+    if each.earlier is None:
+        return "", None, ""
+    return each.texts().get(each.earlier.decided_on, ""), each.earlier.points, each.earlier.comment
 
 
 def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
@@ -204,16 +236,15 @@ def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
         return
     say = f"run `nao-course marks {path.parent.parent} {path}` first, or move it away"
     try:
-        rows = read_table(path, HEADER)
+        rows = read_table(path, HEADER, MORE)
     except TableError as error:
         raise MarksError(f"{error}\nIt may hold marks, so nothing is written: {say}") from None
     for row in rows:
         answer = known.get(_key(row)) or _without_zeros(_key(row), known)
-        mark = answer.mark if answer else None
-        have = (number(mark.points), _comment(mark.comment)) if mark else ("", "")
+        have = {(number(each.points), _comment(each.comment)) for each in (answer.marks if answer else ())}
         points = _points(row["points"])
         given = (row["points"].strip() if points is None else number(points), _comment(row["comment"]))
-        if given not in (have, ("", "")):
+        if given not in have | {("", "")}:
             raise MarksError(f"{path}, row {row.number}, has a mark that was not read in: {say}")
 
 
@@ -248,20 +279,25 @@ def read_marks(journal: Journal, path: Path, code: Code) -> Taken:
         )
     answers = _answers(journal, code)
     known = _by_key(answers)
-    rows = read_table(path, HEADER)
+    rows = read_table(path, HEADER, MORE)
     marks: dict[Key, tuple[int, Mark]] = {}
     problems = [problem for row in rows for problem in _take(row, known, marks)]
     if problems:
         more = len(problems) - MOST_SAID
         rest = [f"and {more} more"] if more > 0 else []
         raise MarksError("\n".join([f"{path.name}: nothing was read in", *problems[:MOST_SAID], *rest]))
-    changed = tuple(mark for key, (_, mark) in marks.items() if not _same(mark, known[key].mark))
+    changed = tuple(
+        mark
+        for key, (_, mark) in marks.items()
+        if not any(_same(mark, other) and mark.decided_on == other.decided_on for other in known[key].marks)
+    )
     if changed:
         journal.mark(changed)
     questions = {_key(row)[1:] for row in rows}
     anonymous = any(known[key].code == row["student"] for row in rows if (key := _key(row)) in known)
+    marked = {key for key, (_, mark) in marks.items() if mark.decided_on == known[key].answer.fingerprint}
     waiting = (
-        each for each in answers if each.is_open and each.key not in marks and each.key[1:] in questions
+        each for each in answers if each.is_open and each.key not in marked and each.key[1:] in questions
     )
     return Taken(len(marks), changed, tuple((each.named(anonymous), each.answer.name) for each in waiting))
 
@@ -275,15 +311,18 @@ def _take(row: Row, known: Mapping[Key, _Answer], marks: dict[Key, tuple[int, Ma
         return
     if not row["points"].strip():
         return
-    most = answer.answer.points
+    most, own = answer.answer.points, answer.answer.fingerprint
     points = _points(row["points"])
     if points is None:
         given = row["points"].strip()[:40]
         yield f"row {row.number}: points are {given!r}; they must be a number from 0 to {number(most)}"
     elif points > most + 1e-9:
         yield f"row {row.number}: {number(points)} points; the question is worth {number(most)}"
+    elif (read := row["answer id"].strip() or own) != own and read not in answer.texts():
+        yield f"row {row.number}: the answer id {read[:40]!r} must stay as it was written: it says what was marked"
     else:
-        mark = Mark(answer.score.result.student, key[1], key[2], points, _comment(row["comment"]))
+        comment = _comment(row["comment"])
+        mark = Mark(answer.score.result.student, key[1], key[2], points, comment, decided_on=read)
         before, other = marks.setdefault(answer.key, (row.number, mark))
         if not _same(mark, other):
             yield f"row {row.number}: {key[0]!r} has another mark in row {before}"
@@ -379,6 +418,8 @@ def _worlds(given: Sequence[_Answer], anonymous: bool, numbers: Numbers) -> dict
 def _shown(each: _Answer, anonymous: bool, worlds: Mapping[str, Mapping[str, float]]) -> Iterator[Markup]:
     mark = each.mark
     state = f"{number(mark.points)} of {number(each.answer.points)}" if mark else "to mark"
+    if each.earlier:
+        state = f"to mark again ({number(each.earlier.points)} for an earlier answer)"
     name = element("h3", element("bdi", each.named(anonymous)))
     yield element("div", name, element("span", state, class_="points"), class_="top")
     yield element("div", each.answer.text.strip(), class_="said", dir="auto")
@@ -386,6 +427,12 @@ def _shown(each: _Answer, anonymous: bool, worlds: Mapping[str, Mapping[str, flo
         yield element("p", line, class_="soft small")
     if mark and mark.comment:
         yield element("p", "Comment: ", mark.comment, class_="soft small kept")
+    if each.earlier:
+        text, points, comment = _earlier(each)
+        yield element("p", f"The earlier answer, which got {number(points or 0)}:", class_="soft small")
+        yield element("div", text.strip(), class_="said soft", dir="auto")
+        if comment:
+            yield element("p", "Comment: ", comment, class_="soft small kept")
 
 
 # --- numbers of a personal world ---

@@ -118,7 +118,7 @@ def read_rows(path: Path) -> list[list[str]]:
         raise _no_table(path, error) from None
 
 
-def read_table(path: Path, header: Sequence[str]) -> list[Row]:
+def read_table(path: Path, header: Sequence[str], more: Sequence[str] = ()) -> list[Row]:
     """Read a CSV file that a spreadsheet may have saved in its own way.
 
     Parameters
@@ -127,6 +127,8 @@ def read_table(path: Path, header: Sequence[str]) -> list[Row]:
         In UTF-8, UTF-16 or Windows' encoding; separated by commas, semicolons or tabs.
     header : sequence of str
         Names of the columns, in any order.
+    more : sequence of str
+        Names of columns that may be missing; their cells are empty then.
 
     Returns
     -------
@@ -151,7 +153,7 @@ def read_table(path: Path, header: Sequence[str]) -> list[Row]:
         rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True))
     except csv.Error as error:
         raise _no_table(path, error) from None
-    return list(_rows(path.name, rows, header))
+    return list(_rows(path.name, rows, (*header, *more)))
 
 
 def _no_table(path: Path, error: csv.Error) -> TableError:

@@ -85,6 +85,23 @@ def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, mo
     assert len(most) == 500 and max(most) <= 5
 
 
+def test_a_page_that_cannot_be_written_stops_nobody_and_its_result_is_kept(
+    course, server, handed_in, tmp_path
+):
+    assignment = prepare(course, "90", chain.SECRET)
+    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
+
+    def publish(result):
+        if result.student == "bob":
+            raise OverflowError("date value out of range")
+
+    with Journal(tmp_path / "grades") as journal:
+        grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server, publish=publish)
+        assert len(journal.results()) == len(found)
+        (problem,) = journal.problems
+    assert problem.startswith("bob, 90_chain:") and "OverflowError: date value out of range" in problem
+
+
 def refusal(submission, assignment):
     return refuse(submission, assignment, "no")
 

@@ -1,5 +1,6 @@
 """The journal keeps whole results, whatever happens to those who write it."""
 
+import json
 import os
 import random
 import signal
@@ -14,12 +15,15 @@ import pytest
 
 from nao_course.instructor.gradebook.journal import NAME, VERSION, Journal, JournalError
 from nao_course.instructor.gradebook.records import (
+    Comment,
     ExerciseResult,
     Mark,
     Override,
+    Request,
     SubmissionResult,
     WrittenAnswer,
 )
+from nao_course.instructor.gradebook.scores import all_scores
 
 LESSON = "01_hsl_filtering"
 EXERCISE = ExerciseResult(
@@ -179,6 +183,47 @@ def test_a_newer_versions_journal_is_refused(tmp_path):
     database.close()
     with pytest.raises(JournalError, match=f"is of version {VERSION + 1}"):
         Journal(tmp_path)
+
+
+def of_version_1(folder):
+    """Turn a journal into one of the version in which decisions did not say for which answer they are."""
+    database = sqlite3.connect(folder / NAME)
+    for table in ("overrides", "marks", "comments", "requests"):
+        database.execute(f"ALTER TABLE {table} DROP COLUMN decided_on")
+    database.execute("ALTER TABLE overrides DROP COLUMN earned")
+    found = json.loads(database.execute("SELECT result FROM results").fetchone()[0])
+    for each in found["exercises"]:
+        del each["answer"]
+    database.execute("UPDATE results SET result = ?", (json.dumps(found),))
+    database.execute("PRAGMA user_version = 1")
+    database.commit()
+    database.close()
+
+
+def test_decisions_of_an_older_journal_are_for_the_answers_that_were_there(tmp_path):
+    with Journal(tmp_path) as journal:
+        journal.keep(RESULT)
+        journal.override(Override("ada", LESSON, "hue_mask", 1.5, "because"))
+        journal.mark([Mark("ada", LESSON, "why", 2.0)])
+        journal.comment([Comment(LESSON, "hue_mask", EXERCISE.kind, "Look.")])
+        journal.request([Request("ada", LESSON, "hue_mask", "please")])
+        journal.answer("ada", LESSON, "hue_mask", "no", "")
+    of_version_1(tmp_path)
+    known = replace(RESULT, exercises=(replace(EXERCISE, answer="x"),), assignment="b")  # graded again
+    elsewhere = replace(known, submission="t")
+    changed = replace(
+        elsewhere,
+        exercises=(replace(EXERCISE, answer="y"),),
+        written=(replace(RESULT.written[0], text="Darum"),),
+    )
+    for each, decided in ((RESULT, True), (known, True), (elsewhere, True), (changed, False)):
+        with Journal(tmp_path) as journal:
+            journal.keep(each)
+            (score,) = all_scores(journal)
+            (request,) = journal.requests()
+        assert (score.earned == 3.5) == bool(score.overrides) == bool(score.marks) == decided
+        assert each.has_answer("hue_mask", request.decided_on) == decided
+        assert score.comments == {"hue_mask": "Look."}
 
 
 def test_a_result_that_cannot_be_read_is_said(tmp_path):

@@ -1,15 +1,15 @@
 """What a late submission loses: nothing in time, more each day, never more than there is."""
 
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime, timedelta, timezone
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from nao_course.instructor.gradebook.late import LatePolicy
-from nao_course.instructor.gradebook.records import Mark, Override
+from nao_course.instructor.gradebook.records import Override
 from nao_course.instructor.gradebook.scores import score
-from tests.pages import answer, exercise, result
+from tests.pages import answer, exercise, mark, result
 
 LESSON = "01_hsl_filtering"
 DUE = datetime(2026, 11, 20, 22, 59, tzinfo=UTC)
@@ -43,6 +43,16 @@ def test_each_day_begun_after_the_grace_period_costs_its_share(after, days, shar
     assert (found.days, found.late) == (days, days > 0) and found.share == pytest.approx(share)
 
 
+@pytest.mark.parametrize("time", ["0001-01-01 00:00+14:00", "9999-12-31 23:59-14:00", "no time"])
+@pytest.mark.parametrize("due", [DUE, DUE.replace(year=9999, month=12, day=31)])
+def test_a_time_beyond_all_calendars_is_unknown_or_counts_and_stops_nothing(time, due):
+    due = due.astimezone(timezone(timedelta(hours=-1)))
+    found = LatePolicy({LESSON: due}, per_day=0.1, grace_hours=48).lateness(
+        result("ada", exercise(), handed_in=time)
+    )
+    assert not found.late and found.share == 0
+
+
 def test_nothing_is_late_without_a_deadline():
     assert LatePolicy(per_day=1).lateness(handed_in(1000)) is None
     assert score(handed_in(1000)).earned == 4
@@ -72,8 +82,8 @@ def test_what_only_the_platform_calls_late_loses_nothing_and_is_told(after):
 
 
 def test_the_deduction_is_a_share_of_what_was_earned_with_marks_and_changes():
-    override, mark = Override("ada", LESSON, "rgb_to_hsl", 2.0, "why"), Mark("ada", LESSON, "why_hsl", 1.0)
-    made = score(handed_in(30), [override], [mark], policy())
+    override, given = Override("ada", LESSON, "rgb_to_hsl", 2.0, "why", earned=4.0), mark(1.0)
+    made = score(handed_in(30), [override], [given], policy())
     assert made.deducted == pytest.approx(0.6) and made.earned == pytest.approx(2.4)
     assert made.points == score(handed_in(0)).points
 

@@ -10,7 +10,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import Mark, Override, State
+from nao_course.instructor.gradebook.records import Override, State
 from nao_course.instructor.gradebook.scores import score, scores
 from nao_course.instructor.reports.class_report import (
     _KINDS,
@@ -20,7 +20,7 @@ from nao_course.instructor.reports.class_report import (
     report_page,
     write_report,
 )
-from tests.pages import FOR_ASSISTANTS, HOSTILE, RUBRIC, Page, answer, exercise, result, results
+from tests.pages import FOR_ASSISTANTS, HOSTILE, RUBRIC, Page, answer, exercise, mark, result, results
 
 LESSON = "01_hsl_filtering"
 
@@ -47,7 +47,7 @@ def test_what_people_changed_and_marked_counts(tmp_path):
         assert (
             "1 of 4; from 1 to 1" in Page(write_report(journal, tmp_path / "r.html").read_text("utf-8")).text
         )
-        journal.mark([Mark("ada", LESSON, "why_hsl", 1.5)])
+        journal.mark([mark(1.5)])
         page = Page(write_report(journal, tmp_path / "r.html").read_text("utf-8"))
     assert "mean 2.5, median 2.5 of 4" in page.text and "full (1)" in page.text
     assert "Written answers to mark 0" in page.text and "50 % of its points were earned" in page.text

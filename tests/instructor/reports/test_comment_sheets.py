@@ -1,10 +1,12 @@
 """Comments on kinds of wrong answers: each reaches the students whose answer fails that way, and nobody else."""
 
 import csv
+from dataclasses import replace
 
 import pytest
 
-from nao_course.instructor.gradebook.journal import NAME, Journal
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.scores import all_scores
 from nao_course.instructor.reports.comment_sheets import (
     HEADER,
     CommentsError,
@@ -13,7 +15,6 @@ from nao_course.instructor.reports.comment_sheets import (
     write_comment_sheets,
     wrong_answers,
 )
-from nao_course.instructor.reports.exports import all_scores
 from nao_course.instructor.reports.feedback import feedback_page
 from nao_course.instructor.reports.marking_sheets import HEADER as MARKS
 from nao_course.instructor.reports.spreadsheets import table
@@ -89,7 +90,21 @@ def test_what_was_read_in_stands_in_the_next_table_and_can_be_taken_back(journal
     path, _, _ = write(journal)
     assert read_comments(journal, path) == []
     read_comments(journal, fill_in(path, "", "Count from 0."))
-    assert set(journal.comments().values()) == {"Count from 0."}
+    assert [each.text for each in journal.comments().values()] == ["Count from 0."]
+
+
+def test_a_comment_leaves_the_pages_when_the_check_says_something_else(journal):
+    path, _, _ = write(journal)
+    read_comments(journal, fill_in(path, "Look at the hue.", ""))
+    for student in ("ada", "ben"):
+        journal.keep(result(student, replace(CLASS["ada"], hint="Half as much.")))
+    assert not [student for student, text in pages(journal).items() if "Look at the hue." in text]
+    path, _, _ = write(journal)
+    assert rows_of(path)[0]["comment"] == "" and "Look at the hue." in path.with_suffix(".html").read_text(
+        "utf-8"
+    )
+    read_comments(journal, fill_in(path, "Look at the hue.", ""))
+    assert "Look at the hue." in pages(journal)["ben"]
 
 
 def test_a_table_is_not_overwritten_before_its_comments_are_read(journal):
@@ -131,8 +146,3 @@ def test_hostile_answers_stay_text_and_can_be_commented_on(tmp_path, text):
         read_comments(journal, fill_in(path, "Read the message."))
         (page,) = (feedback_page(each) for each in all_scores(journal))
         assert "Read the message." in Page(page).text and Page(page).offences() == []
-
-
-def test_a_journal_of_an_earlier_version_has_no_comments(tmp_path):
-    with Journal(tmp_path) as journal:
-        assert (tmp_path / NAME).is_file() and journal.comments() == {}

@@ -5,7 +5,6 @@ import io
 import json
 import re
 import zipfile
-from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings
@@ -14,18 +13,17 @@ from typer.testing import CliRunner
 
 from nao_course import cli
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import Mark, Override
-from nao_course.instructor.gradebook.scores import score, scores
+from nao_course.instructor.gradebook.records import Override
+from nao_course.instructor.gradebook.scores import all_scores, score, scores
 from nao_course.instructor.reports.exports import (
     ExportError,
-    all_scores,
     check_format,
     csv_table,
     gradescope_results,
     write_csv,
     write_gradescope,
 )
-from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, answer, exercise, result, results
+from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, answer, exercise, mark, result, results
 
 LESSON = "01_hsl_filtering"
 
@@ -60,7 +58,7 @@ def test_a_student_is_a_row_and_an_exercise_a_column(journal):
     assert ada[f"{LESSON} notes"] == "1 written answer not marked yet"
     assert (bob["1.1 rgb_to_hsl"], bob["1.W1 why_hsl"], bob["1.2 other"]) == ("1.5", "0", "")
     assert bob["02_posts status"] == "not handed in" and "late bus" in bob[f"{LESSON} notes"]
-    journal.mark([Mark("ada", LESSON, "why_hsl", 1.25)])
+    journal.mark([mark(1.25)])
     (ada, _) = rows_of(all_scores(journal, LESSON))
     assert (ada["1.W1 why_hsl"], ada["total"]) == ("1.25", "3.25") and "02_posts points" not in ada
 
@@ -163,10 +161,7 @@ def test_a_test_says_what_the_feedback_says():
 
 
 def test_a_written_answer_is_a_test_once_it_is_marked():
-    mark = SimpleNamespace(
-        student="ada", lesson=LESSON, question="why_hsl", points=1.5, comment="Well.", time=""
-    )
-    made = gradescope_results(score(result("ada", answer()), (), [mark]))
+    made = gradescope_results(score(result("ada", answer()), (), [mark(comment="Well.")]))
     (test,) = made["tests"]
     assert (test["score"], test["status"], test["output"], made["score"]) == (1.5, "failed", "Well.", 1.5)
 

@@ -3,29 +3,34 @@
 import re
 from dataclasses import replace
 from itertools import pairwise
-from types import SimpleNamespace
 from typing import get_args
 
 import pytest
 from hypothesis import given, settings
 
-from nao_course.instructor.gradebook.records import State
+from nao_course.instructor.gradebook.records import Override, State
 from nao_course.instructor.gradebook.scores import score
 from nao_course.instructor.reports import html
 from nao_course.instructor.reports.feedback import _STATES, feedback_page, write
-from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, Page, answer, exercise, result, results
+from tests.pages import (
+    FOR_ASSISTANTS,
+    HOSTILE,
+    MISTAKE,
+    RUBRIC,
+    Page,
+    answer,
+    exercise,
+    mark,
+    result,
+    results,
+)
 
 HINT = "This looks like degrees where radians belong."
 
 
 def override(points=1.0, reason="The sheet allowed it.", **changed):
     values = {"student": "ada", "lesson": "01_hsl_filtering", "exercise": "rgb_to_hsl", "time": "2026-01-01"}
-    return SimpleNamespace(**{**values, "points": points, "reason": reason, **changed})
-
-
-def mark(points=1.5, comment="And the sun?", **changed):
-    values = {"student": "ada", "lesson": "01_hsl_filtering", "question": "why_hsl", "time": "2026-01-01"}
-    return SimpleNamespace(**{**values, "points": points, "comment": comment, **changed})
+    return Override(**{**values, "points": points, "reason": reason, **changed})
 
 
 def page(*parts, overrides=(), marks=(), **changed):
@@ -80,7 +85,9 @@ def test_an_earlier_mistake_is_told_with_the_points_that_remain():
 def test_cases_are_counted_where_only_some_are_right():
     some = page(exercise("wrong", passed=3)).text
     assert "It is right in 3 of 5 hidden cases." in some
-    all_right = page(exercise(passed=5), overrides=[override()]).text  # a changed one has a card of its own
+    all_right = page(
+        exercise(passed=5), overrides=[override(earned=2.0)]
+    ).text  # a changed one has a card of its own
     assert (
         "A person looked at this" in all_right
         and "hidden cases." not in all_right.split("Hidden cases have")[0]
@@ -111,14 +118,14 @@ def test_the_latest_change_counts_and_none_of_another_student_or_lesson():
 def test_a_written_answer_waits_for_a_person_and_then_shows_mark_and_comment():
     open_ = page(answer()).text
     assert "Because of the shadows." in open_ and "A person marks this." in open_ and "so far" in open_
-    done = page(answer(), marks=[mark()]).text
+    done = page(answer(), marks=[mark(comment="And the sun?")]).text
     assert "1.5 of 2 points" in done and "And the sun?" in done
     assert "A person marks this." not in done and "so far" not in done
 
 
 def test_an_empty_answer_waits_for_nobody():
     assert "so far" not in page(answer(text=" \n")).text
-    assert score(result("ada", answer(text="")), (), [mark(2.0)]).earned == 2.0
+    assert score(result("ada", answer(text="")), (), [mark(2.0, text="")]).earned == 2.0
 
 
 def test_a_refused_submission_says_why_and_what_to_do():
@@ -165,7 +172,7 @@ def test_no_page_holds_a_rubric_a_mistakes_name_or_what_is_for_assistants(any_re
 
 
 def test_a_rubric_stays_secret_after_marking():
-    assert RUBRIC not in page(answer(), marks=[mark()]).text
+    assert RUBRIC not in page(answer(), marks=[mark(comment="And the sun?")]).text
 
 
 def page_with(text):
@@ -180,7 +187,9 @@ def page_with(text):
     )
     made = replace(made, student=text)
     changes = override(reason=f"x{text}", student=text, exercise="changed")
-    return feedback_page(score(made, [changes], [mark(comment=f"x{text}", student=text, question="w")]))
+    return feedback_page(
+        score(made, [changes], [mark(comment=f"x{text}", text=f"x{text}", student=text, question="w")])
+    )
 
 
 @pytest.mark.parametrize("text", HOSTILE)

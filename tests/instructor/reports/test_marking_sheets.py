@@ -3,6 +3,7 @@
 import codecs
 import csv
 import io
+from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -11,9 +12,9 @@ from hypothesis import strategies as st
 
 from nao_course.instructor.autograding.secret import student_code
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import Mark
 from nao_course.instructor.reports.marking_sheets import (
     HEADER,
+    MORE,
     MarksError,
     compare_numbers,
     contains_number,
@@ -21,7 +22,7 @@ from nao_course.instructor.reports.marking_sheets import (
     write_sheets,
 )
 from nao_course.instructor.reports.spreadsheets import TableError, read_table
-from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, result, words
+from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, mark, result, words
 
 code = partial(student_code, b"0123456789abcdef")
 LESSON, QUESTION = "01_hsl_filtering", "why_hsl"
@@ -71,7 +72,7 @@ def given_marks(journal):
 def test_a_sheet_has_a_row_for_each_answer_and_the_page_the_rubric(journal, tmp_path):
     (written,) = write_sheets(journal, tmp_path, code)
     header, *rows = rows_of(written.table)
-    assert tuple(header) == HEADER and len(rows) == len(STUDENTS) == written.answers == written.open
+    assert tuple(header) == (*HEADER, *MORE) and len(rows) == len(STUDENTS) == written.answers == written.open
     page = Page(written.page.read_text(encoding="utf-8"))
     assert RUBRIC in page.text and page.offences() == []
     assert page.text.index(RUBRIC) < page.text.index("I am ada")
@@ -84,12 +85,49 @@ def test_no_cell_of_a_sheet_is_a_formula(sheet):
 
 
 def test_marks_that_were_given_stand_in_the_next_sheet(journal, sheet, tmp_path):
-    journal.mark([Mark("ada", LESSON, QUESTION, 1.5, "-0.5: the sun")])
+    journal.mark([mark(1.5, "-0.5: the sun", text="=I am ada\nand, that; is all")])
     (written,) = write_sheets(journal, tmp_path / "marking", code)
-    row = next(row for row in read_table(written.table, HEADER) if row["student"] == "ada")
+    row = next(row for row in read_table(written.table, HEADER, MORE) if row["student"] == "ada")
     assert (row["points"], row["comment"]) == ("1.5", "-0.5: the sun")
     assert written.open == len(STUDENTS) - 1
     assert read_marks(journal, written.table, code).changed == ()
+
+
+def test_an_answer_that_was_changed_after_its_mark_is_marked_again_beside_the_earlier_one(
+    journal, sheet, tmp_path
+):
+    save(sheet, filled(sheet, ["", "", "1.5", ""], ""))
+    read_marks(journal, sheet, code)
+    journal.keep(replace(result("ada", exercise(), answer(text="A new answer.")), submission="2"))
+    (written,) = write_sheets(journal, tmp_path / "marking", code)
+    row = next(row for row in read_table(written.table, HEADER, MORE) if row["student"] == "ada")
+    assert (row["answer"], row["points"], written.open) == ("A new answer.", "", len(STUDENTS))
+    assert [row[name] for name in MORE[1:]] == ["=I am ada\nand, that; is all", "1.5", ""]
+    page = Page(written.page.read_text("utf-8")).text
+    assert (
+        "A new answer." in page and "to mark again (1.5 for an earlier answer)" in page and "I am ada" in page
+    )
+    save(written.table, filled(written.table, ["", "", "1", ""], ""))
+    assert len(read_marks(journal, written.table, code).open) == len(STUDENTS) - 1
+    assert given_marks(journal)["ada"] == (1, "")
+
+
+def test_a_mark_belongs_to_the_answer_in_the_sheet_even_if_it_has_changed_meanwhile(journal, sheet):
+    rows = filled(sheet, ["", "", "1.5", ""], "")
+    journal.keep(replace(result("ada", exercise(), answer(text="A new answer.")), submission="2"))
+    save(sheet, rows)
+    taken = read_marks(journal, sheet, code)
+    assert taken.read == 1 and len(taken.open) == len(STUDENTS)
+    rows[3][rows[0].index("answer id")] = "another"
+    save(sheet, rows)
+    with pytest.raises(MarksError, match="row 4: the answer id 'another'"):
+        read_marks(journal, sheet, code)
+
+
+def test_a_sheet_of_an_earlier_version_is_read(journal, sheet):
+    rows = filled(sheet, ["", "", "1.5", ""], "")
+    save(sheet, [row[: len(HEADER)] for row in rows])
+    assert len(read_marks(journal, sheet, code).open) == len(STUDENTS) - 1
 
 
 def test_a_sheet_with_marks_that_nobody_read_is_not_written_over(journal, sheet, tmp_path):
@@ -129,7 +167,7 @@ def test_the_page_keeps_its_elements_whatever_was_written(tmp_path, text):
         text = f"x{said.encode('utf-8', 'replace').decode()}"
         with Journal(folder) as kept:
             kept.keep(result("ada", answer(text=text, question=text, rubric=text, number=text)))
-            kept.mark([Mark("ada", LESSON, QUESTION, 1, text)])
+            kept.mark([mark(1, text, text=text)])
             return Page(write_sheets(kept, folder, code)[0].page.read_text(encoding="utf-8"))
 
     found = page(text, tmp_path / "hostile")
@@ -139,7 +177,7 @@ def test_the_page_keeps_its_elements_whatever_was_written(tmp_path, text):
 def test_an_empty_answer_has_no_row_and_counts_nowhere(journal, tmp_path):
     journal.keep(result("ben", exercise(), answer(text=" \n")))
     (written,) = write_sheets(journal, tmp_path / "marking", code)
-    assert "ben" not in {row["student"] for row in read_table(written.table, HEADER)}
+    assert "ben" not in {row["student"] for row in read_table(written.table, HEADER, MORE)}
     page = Page(written.page.read_text(encoding="utf-8")).text
     assert "4 answers, 4 to mark" in page and (written.answers, written.open) == (4, 4)
     assert page.index("No answer: 0 points") < page.index("ben")
@@ -149,9 +187,9 @@ def test_an_empty_answer_has_no_row_and_counts_nowhere(journal, tmp_path):
 
 def test_an_empty_answer_that_a_person_gave_points_has_its_row(journal, tmp_path):
     journal.keep(result("ben", exercise(), answer(text="")))
-    journal.mark([Mark("ben", LESSON, QUESTION, 1, "shown in the lab")])
+    journal.mark([mark(1, "shown in the lab", text="", student="ben")])
     (written,) = write_sheets(journal, tmp_path / "marking", code)
-    points = {row["student"]: row["points"] for row in read_table(written.table, HEADER)}
+    points = {row["student"]: row["points"] for row in read_table(written.table, HEADER, MORE)}
     assert points["ben"] == "1" and (written.answers, written.open) == (5, 4)
     assert "5 answers, 4 to mark" in Page(written.page.read_text(encoding="utf-8")).text
 
@@ -176,7 +214,7 @@ def test_an_anonymous_sheet_and_page_name_nobody_and_come_back_to_the_students(j
     (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=True)
     both = written.table.read_bytes().decode() + written.page.read_text(encoding="utf-8")
     assert not [name for name in ("Łucja", "Benjamin", "007", "1+1") if name in both]
-    names = [row["student"] for row in read_table(written.table, HEADER)]
+    names = [row["student"] for row in read_table(written.table, HEADER, MORE)]
     assert names == sorted(code(each) for each in STUDENTS)
     assert code("Benjamin") in both
     order = sorted(STUDENTS, key=lambda each: code(each))
@@ -362,7 +400,7 @@ def test_all_rows_that_are_wrong_are_told_at_once(journal, sheet):
         (b"", "is empty"),
         (b"\xff\xfe", "is empty"),
         (b"student\r\nada", "row 1: the columns are 'student'"),
-        (b"\x81\x8d\x8f", "in no encoding"),
+        (b"\x81\x8d\x8f", "Save it as UTF-8"),
         (",".join(HEADER).encode() + b'\r\n"ada,1', "not a CSV table"),
     ],
 )
@@ -384,8 +422,9 @@ def test_any_name_answer_and_comment_survives_the_round(tmp_path_factory, name, 
     folder = tmp_path_factory.mktemp("round")
     name = name.encode("utf-8", "replace").decode() or "x"
     with Journal(folder) as kept:
-        kept.keep(result(name, answer(text=text.encode("utf-8", "replace").decode())))
-        kept.mark([Mark(name, LESSON, QUESTION, points, "-1, \"=2\"; 'so'")])
+        text = text.encode("utf-8", "replace").decode()
+        kept.keep(result(name, answer(text=text)))
+        kept.mark([mark(points, "-1, \"=2\"; 'so'", text=text, student=name)])
         (written,) = write_sheets(kept, folder, code)
         taken = read_marks(kept, written.table, code)
         assert (taken.read, taken.changed) == (1, ())
