@@ -237,7 +237,7 @@ def summarise(journal: Journal, lesson: str) -> LessonSummary:
         summary.changed_overrides += [
             (score.result, each)
             for each in score.earlier_overrides.values()
-            if each.points != points[each.about]
+            if each.points != points[each.item]
         ]
     return summary
 

@@ -184,7 +184,7 @@ class Journal:
 
     @contextmanager
     def for_one(self, student: str, lesson: str, lost: str) -> Iterator[None]:
-        """Guard what is done for one student: a failure is listed in `problems`, and the others' work goes on.
+        """Run work for one student: a failure is listed in `problems`, and the others' work goes on.
 
         Parameters
         ----------
@@ -425,7 +425,7 @@ def _last_of_each(given: Iterable[Given], lesson: str | None) -> list[Given]:
     last: dict[tuple[str, ...], Given] = {}
     for each in given:
         if lesson in (None, each.lesson):
-            key = (each.student, each.lesson, each.about, each.decided_on)
+            key = (each.student, each.lesson, each.item, each.decided_on)
             last.pop(key, None)
             last[key] = each
     return [last[key] for key in sorted(last, key=lambda key: key[:3])]

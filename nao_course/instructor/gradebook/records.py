@@ -251,7 +251,7 @@ class Override:
     earned: float = 0.0
 
     @property
-    def about(self) -> str:
+    def item(self) -> str:
         """The exercise."""
         return self.exercise
 
@@ -290,7 +290,7 @@ class Mark:
     decided_on: str = ""
 
     @property
-    def about(self) -> str:
+    def item(self) -> str:
         """The question."""
         return self.question
 

@@ -185,8 +185,8 @@ def _by_answer(
 ) -> tuple[dict[str, Given], dict[str, Given]]:
     """Return the last decisions on a result's own answers, and on earlier answers where there is none on its own."""
     decisions = list(decisions)
-    count = {each.about: each for each in decisions if each.fits(result)}
-    return count, {each.about: each for each in decisions if each.about not in count}
+    count = {each.item: each for each in decisions if each.fits(result)}
+    return count, {each.item: each for each in decisions if each.item not in count}
 
 
 def each_journal_score(journal: Journal, lesson: str | None = None) -> Iterator[Score]:

@@ -116,7 +116,7 @@ def _notes(score: Score) -> list[str]:
     notes += [f"{name} set to {number(each.points)}: {each.reason}" for name, each in score.overrides.items()]
     earlier: tuple[Override | Mark, ...] = (*score.earlier_overrides.values(), *score.earlier_marks.values())
     notes += [
-        f"{each.about}: {number(each.points)} points were for an earlier answer and do not count"
+        f"{each.item}: {number(each.points)} points were for an earlier answer and do not count"
         for each in earlier
     ]
     return [*notes, *score.result.notes]
