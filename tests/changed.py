@@ -28,7 +28,7 @@ def changed_files() -> list[str]:
     return "".join(found).splitlines()
 
 
-def tests_of(files: Iterable[str]) -> Iterator[str]:
+def mirrors_of(files: Iterable[str]) -> Iterator[str]:
     """Yield the tests that mirror some files, and the laws of the repository.
 
     A module is tested by the file of its name or, without one, by the folder of its package.
@@ -49,4 +49,4 @@ def tests_of(files: Iterable[str]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    print("\n".join(dict.fromkeys(tests_of(changed_files()))))
+    print("\n".join(dict.fromkeys(mirrors_of(changed_files()))))

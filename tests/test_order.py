@@ -5,7 +5,7 @@ import subprocess
 import sys
 from itertools import groupby
 
-from tests.changed import tests_of
+from tests.changed import mirrors_of
 from tests.order import APART, FIRST, in_order, unit_of
 from tests.paths import PROJECT
 
@@ -68,7 +68,7 @@ def test_a_test_that_hangs_fails_once_and_the_others_run(tmp_path):
 
 def test_a_changed_file_is_tested_by_the_file_or_the_folder_that_mirrors_it():
     found = [
-        next(tests_of([path]))
+        next(mirrors_of([path]))
         for path in (
             "nao_course/sim/nao.py",
             "nao_course/widgets/control_panel/screen.py",
