@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
@@ -14,7 +13,14 @@ from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.requests import request_files, requests_in
-from nao_course.instructor.commands import FEEDBACK, handed_in_before, list_problems, results_of, write_pages
+from nao_course.instructor.commands import (
+    FEEDBACK,
+    handed_in_before,
+    list_problems,
+    results_of,
+    without_result,
+    write_pages,
+)
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Request, SubmissionResult
 from nao_course.instructor.reports import comment_sheets
@@ -35,17 +41,9 @@ def report(grades: Path) -> Iterator[str]:
         yield f"wrote {write_report(journal, grades / 'report.html')}"
         pages = write_pages(journal, grades, journal.each_result())
         yield f"wrote {say_count(len(pages), 'feedback page')} again, with the deadlines of course.toml"
-        yield from unknown_extensions(journal)
+        extensions = journal.policy.extensions if journal.policy else {}
+        yield from without_result("course.toml: extensions", extensions, journal)
         yield from list_problems(journal)
-
-
-def unknown_extensions(journal: Journal) -> Iterator[str]:
-    """Yield a line for each student in course.toml's extensions who has no result: the name may be misspelt."""
-    students = journal.students()
-    for name in sorted((journal.policy.extensions if journal.policy else {}).keys() - students):
-        near = difflib.get_close_matches(name, students, 1)
-        hint = f"; is it {near[0]!r}?" if near else ""
-        yield f"course.toml: extensions: {name!r} has no result{hint}"
 
 
 def write_comment_sheets(grades: Path, *, anonymous: bool = False) -> Iterator[str]:

@@ -533,7 +533,10 @@ def marks(
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if file is None:
-            yield from _sheets(journal, grades, anonymous, read_worlds(worlds) if worlds else {})
+            copies = read_worlds(worlds) if worlds else {}
+            if worlds:
+                yield from without_result(worlds.name, copies, journal)
+            yield from _sheets(journal, grades, anonymous, copies)
             return
         taken = marking_sheets.read_marks(journal, file, partial(student_code, load_secret()))
         yield f"{say_count(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
@@ -552,6 +555,15 @@ def results_of(journal: Journal, keys: Iterable[tuple[str, str]]) -> Iterator[Su
     """Yield the results of students in lessons."""
     for student, lesson in keys:
         yield from journal.each_result(lesson, student)
+
+
+def without_result(where: str, names: Iterable[str], journal: Journal) -> Iterator[str]:
+    """Yield a line for each name of a file that no student with a result has: it may be misspelt."""
+    students = journal.students()
+    for name in sorted(set(names) - students):
+        near = difflib.get_close_matches(name, students, 1)
+        hint = f"; is it {near[0]!r}?" if near else ""
+        yield f"{where}: {name!r} has no result{hint}"
 
 
 def _sheets(journal: Journal, grades: Path, anonymous: bool, worlds: Mapping[str, str]) -> Iterator[str]:

@@ -115,4 +115,4 @@ def read_worlds(path: Path) -> dict[str, str]:
     TableError
         If it is no such file.
     """
-    return {row["student"]: row["world"] for row in read_table(path, ("student", "world"))}
+    return {row["student"].strip(): row["world"] for row in read_table(path, ("student", "world"))}

@@ -109,13 +109,16 @@ def test_a_students_work_that_fails_is_listed_and_all_other_work_is_done(
         assert [row.split(",")[0] for row in rows[1:]] == ["ada", *(["ben"] * (not is_concerned)), "eve"]
 
 
-def test_an_extension_stands_on_the_page_and_a_misspelt_name_is_reported(course, grades):
+def test_an_extension_stands_on_the_page_and_a_misspelt_name_is_reported(course, grades, tmp_path):
     with (course.root / "course.toml").open("a") as file:
         file.write(
             f"[extensions]\nada.{LESSON} = 2026-11-25T12:00:00+01:00\nbenn.{LESSON} = 2026-11-25T12:00:00Z\n"
         )
     said = list(class_commands.report(grades))
     assert "course.toml: extensions: 'benn' has no result; is it 'ben'?" in said
+    (worlds := tmp_path / "worlds.csv").write_text("student,world\nada,x\nbenn,y\n")
+    said = list(commands.marks(grades, None, worlds=worlds))
+    assert [line for line in said if "worlds" in line] == ["worlds.csv: 'benn' has no result; is it 'ben'?"]
     assert "Your deadline was extended to 2026-11-25 12:00+01:00." in page_of(grades, "ada")
     assert "4 of 4 points" in page_of(grades, "ada") and table_of(grades)["ada"][f"{LESSON} deducted"] == ""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -65,7 +66,9 @@ def read_course_file(root: Path) -> CourseFile:
     policy = LatePolicy(
         _deadlines(table, "deadlines", there),
         {
-            student: _deadlines(_table(table, "extensions"), student, there, "extensions.")
+            unicodedata.normalize("NFC", student): _deadlines(
+                _table(table, "extensions"), student, there, "extensions."
+            )
             for student in _table(table, "extensions")
         },
         **{

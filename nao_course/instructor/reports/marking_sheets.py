@@ -15,6 +15,7 @@ from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, WrittenAnswer
 from nao_course.instructor.gradebook.scores import Score, each_journal_score
+from nao_course.instructor.reports.answer_numbers import compare_numbers
 from nao_course.instructor.reports.html import (
     Markup,
     element,
@@ -33,7 +34,6 @@ HEADER = ("student", "lesson", "question", "answer", "points", "comment", "max p
 MORE = ("answer id", "earlier answer", "earlier points", "earlier comment")
 MOST_SAID = 20  # problems of a file that are listed
 _NUMBER = re.compile(r"[0-9]{1,6}(?:[.,][0-9]{0,6})?|[.,][0-9]{1,6}", re.ASCII)
-_DECIMAL = re.compile(r"(-?\d{1,6})[.,](\d{2,6})(?!\d)", re.ASCII)
 _CODE = re.compile(r"student-[0-9a-f]{10}")
 
 Code = Callable[[str], str]
@@ -433,57 +433,3 @@ def _shown(each: _Answer, anonymous: bool, worlds: Mapping[str, Mapping[str, flo
         yield element("div", text.strip(), class_="said soft", dir="auto")
         if comment:
             yield element("p", "Comment: ", comment, class_="soft small kept")
-
-
-# --- numbers of a personal world ---
-
-
-def compare_numbers(answer: str, student: str, worlds: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
-    """Compare an answer with the numbers of the student's personal world.
-
-    Parameters
-    ----------
-    answer : str
-        The student's answer.
-    student : str
-        Name of the student, or what stands for it.
-    worlds : mapping of str to (mapping of str to float)
-        Numbers of the personal world of each student by what they are.
-
-    Yields
-    ------
-    str
-        The student's numbers, and whether they are in the answer; then whose numbers the answer has instead.
-    """
-    own = worlds.get(student, {})
-    if not own:
-        return
-    found = {name: contains_number(answer, value) for name, value in own.items()}
-    each = (
-        f"{name} {value:.3f} ({'in the answer' if found[name] else 'not in the answer'})"
-        for name, value in own.items()
-    )
-    yield f"Personal world: {'; '.join(each)}"
-    if all(found.values()):
-        return
-    others = [
-        name
-        for name, numbers in worlds.items()
-        if name != student and all(contains_number(answer, value) for value in numbers.values())
-    ]
-    if others:
-        yield f"The answer has all numbers of another personal world: {', '.join(others)}"
-
-
-def contains_number(text: str, value: float) -> bool:
-    """Return whether a text contains a value, rounded to two or more decimals, with a point or a comma.
-
-    Examples
-    --------
-    >>> contains_number("The mean distance is 1,08.", 1.0834), contains_number("It is 1.1.", 1.0834)
-    (True, False)
-    """
-    for whole, decimals in _DECIMAL.findall(text):
-        if abs(float(f"{whole}.{decimals}") - value) <= 0.501 * 10.0 ** -len(decimals):
-            return True
-    return False

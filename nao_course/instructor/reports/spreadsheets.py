@@ -6,6 +6,7 @@ import codecs
 import csv
 import io
 import re
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -133,14 +134,14 @@ def read_table(path: Path, header: Sequence[str], more: Sequence[str] = ()) -> l
     Returns
     -------
     list of Row
-        All rows that are not empty.
+        All rows that are not empty; names in them are composed (NFC), as they are in the gradebook.
 
     Raises
     ------
     TableError
         If it is no table, or its header is another one.
     """
-    text, separators = _without_hint(_text(path))
+    text, separators = _without_hint(unicodedata.normalize("NFC", _text(path)))
     separator, first = _separator(text, separators, header)
     if not first:
         raise TableError(f"{path.name} is empty")

@@ -69,7 +69,8 @@ def with_executed_texts(sources: Mapping[str, str]) -> OwnCode:
 
     Examples
     --------
-    >>> found = with_executed_texts({"cell 1": "a = 'total = sum('", "cell 2": "exec(a + 'weights)')\nexec(open('b').read())"})
+    >>> sources = {"cell 1": "a = 'total = sum('", "cell 2": "exec(a + 'weights)')\nexec(open('b').read())"}
+    >>> found = with_executed_texts(sources)
     >>> found.cells[-1], found.hidden
     ('total = sum(weights)', ('cell 2, line 2',))
     """

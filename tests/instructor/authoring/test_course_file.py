@@ -31,11 +31,11 @@ def test_a_short_file_has_no_deadlines(read):
 def test_deadlines_are_known_by_the_lessons_whole_names(read):
     policy = read(
         "[deadlines]\n01 = 2026-11-20T23:59:00+01:00\n[late]\nper_day = 0.1\ngrace_hours = 2\nmost = 0.5\n"
-        '[extensions."Ada Lovelace_1234567"]\n1 = 2026-11-27T23:59:00+01:00\n'
+        '[extensions."Jose\u0301 Lovelace_1234567"]\n1 = 2026-11-27T23:59:00+01:00\n'
     ).late_policy
     assert policy.deadlines == {"01_toy": datetime.fromisoformat("2026-11-20T23:59+01:00")}
     assert policy.extensions == {
-        "Ada Lovelace_1234567": {"01_toy": datetime.fromisoformat("2026-11-27T23:59+01:00")}
+        "Jos\u00e9 Lovelace_1234567": {"01_toy": datetime.fromisoformat("2026-11-27T23:59+01:00")}
     }
     assert (policy.per_day, policy.grace_hours, policy.most) == (0.1, 2, 0.5)
 

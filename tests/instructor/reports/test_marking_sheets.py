@@ -12,15 +12,7 @@ from hypothesis import strategies as st
 
 from nao_course.instructor.autograding.secret import student_code
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.reports.marking_sheets import (
-    HEADER,
-    MORE,
-    MarksError,
-    compare_numbers,
-    contains_number,
-    read_marks,
-    write_sheets,
-)
+from nao_course.instructor.reports.marking_sheets import HEADER, MORE, MarksError, read_marks, write_sheets
 from nao_course.instructor.reports.spreadsheets import TableError, read_table
 from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, mark, result, words
 
@@ -428,49 +420,3 @@ def test_any_name_answer_and_comment_survives_the_round(tmp_path_factory, name, 
         (written,) = write_sheets(kept, folder, code)
         taken = read_marks(kept, written.table, code)
         assert (taken.read, taken.changed) == (1, ())
-
-
-# --- numbers of a personal world ---
-
-WORLDS = {"ada": {"mean": 1.0834, "error": 0.0329}, "bob": {"mean": 1.31, "error": 0.0321}}
-
-
-@pytest.mark.parametrize("text", ["1.08", "1,083", "Mean: 1.0834!", "(1.08;", "from 1.08 to 2", "1.08."])
-def test_a_rounded_number_is_found_in_an_answer(text):
-    assert contains_number(text, 1.0834)
-
-
-@pytest.mark.parametrize(
-    "text", ["", "1.1", "1.09", "11.08", "108", "1.0834567891", "-1.08", "1.07", "1." + "0" * 99]
-)
-def test_another_number_is_not_found(text):
-    assert not contains_number(text, 1.0834)
-
-
-def test_a_marker_reads_which_of_a_students_numbers_are_in_the_answer():
-    (line,) = compare_numbers("It is 1.08 on average.", "ada", WORLDS)
-    assert "mean 1.083 (in the answer)" in line and "error 0.033 (not in the answer)" in line
-    assert list(compare_numbers("It is 1.08.", "cyd", WORLDS)) == []
-
-
-def test_an_answer_with_the_numbers_of_somebody_else_is_named():
-    _, line = compare_numbers("It is 1.31, and the error 0.032.", "ada", WORLDS)
-    assert line.endswith("another personal world: bob")
-    assert len(list(compare_numbers("It is 1.31.", "ada", WORLDS))) == 1  # one number may be chance
-    # One own number may be in the answer by chance.
-    assert (
-        len(list(compare_numbers("It is 1.31, the error 0.032, and 1.08 is something else.", "ada", WORLDS)))
-        == 2
-    )
-    assert len(list(compare_numbers("1.08 and 0.033; bob has 1.31 and 0.032.", "ada", WORLDS))) == 1
-
-
-def test_the_page_shows_the_numbers_without_the_names_where_marking_is_anonymous(journal, tmp_path):
-    def numbers(lesson, question, student):
-        assert (lesson, question) == (LESSON, QUESTION)
-        return WORLDS["ada"] if student == "ada" else {}
-
-    (sheet,) = write_sheets(journal, tmp_path / "marking", code, anonymous=True, numbers=numbers)
-    text = Page(sheet.page.read_text(encoding="utf-8")).text
-    assert "Personal world: mean 1.083 (not in the answer)" in text
-    assert "ada" not in text.replace("I am ada", "")

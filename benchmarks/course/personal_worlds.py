@@ -1,0 +1,78 @@
+"""How often the numbers of a personal world accuse a student by chance, and how many copied answers are found.
+
+``python -m benchmarks personal_worlds`` draws classes of answers to the question of lesson 07. Honest answers have both
+numbers wrong by up to 30 %; copied answers have the numbers of another student's world.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchmarks import ROOT, Result, Table
+from nao_course._internal.personal_world import EXAMPLE, PersonalWorld
+from nao_course.exercises.earlier import resolved_by
+from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.plans import load_solution, solutions_beside
+from nao_course.instructor.reports.answer_numbers import compare_numbers, numbers_in
+
+LESSON = "07_ekf_slam"
+CLASSES = (20, 40, 150)
+DECIMALS = ((2, 2), (3, 2), (4, 3))  # of the two numbers; the lesson's table has three and two
+ANSWERS = 1000  # honest ones of each kind
+
+
+def numbers_of_worlds(many: int) -> dict[str, dict[str, float]]:
+    """Return the numbers of the first personal worlds, and of the example."""
+    course = load_course(ROOT)
+    notebook = course.solutions / f"{LESSON}.ipynb"
+    (question,) = (each for each in course.plan(LESSON).written if each.numbers is not None)
+    assert question.numbers is not None
+    with resolved_by(solutions_beside(notebook)):
+        solution = load_solution(notebook)
+        names = {EXAMPLE: "", **{f"student{number}": f"student{number}" for number in range(many)}}
+        return {shown: dict(question.numbers(PersonalWorld(name), solution)) for shown, name in names.items()}
+
+
+def measure(
+    worlds: dict[str, dict[str, float]], decimals: tuple[int, ...], chance: np.random.Generator
+) -> dict[str, float]:
+    """Return the shares of honest answers that agree with a world and that are named, and of copies that are named."""
+    students = [name for name in worlds if name != EXAMPLE]
+    agreeing, accused, found = 0, 0, 0
+
+    def answer(values: np.ndarray) -> str:
+        return " and ".join(f"{value:.{places}f}" for value, places in zip(values, decimals, strict=True))
+
+    for _ in range(ANSWERS):
+        student, other = chance.choice(students, 2, replace=False)
+        own, copied = (np.array(list(worlds[name].values())) for name in (student, other))
+        wrong = answer(own * chance.uniform(0.7, 1.3, len(own)))
+        written = numbers_in(wrong)
+        agreeing += any(
+            all(any(each.is_rounded(value) for each in written) for value in numbers.values())
+            for name, numbers in worlds.items()
+            if name != student
+        )
+        accused += len(list(compare_numbers(wrong, student, worlds))) > 1
+        found += any(other in line for line in list(compare_numbers(answer(copied), student, worlds))[1:])
+    return {"agree": agreeing / ANSWERS, "accused": accused / ANSWERS, "copies found": found / ANSWERS}
+
+
+def main() -> Result:
+    """Measure classes of three sizes, with three precisions."""
+    worlds = numbers_of_worlds(max(CLASSES))
+    chance = np.random.default_rng(0)
+    values, rows = {}, []
+    for size in CLASSES:
+        some = dict(list(worlds.items())[: size + 1])
+        for decimals in DECIMALS:
+            shares = measure(some, decimals, chance)
+            kind = " and ".join(map(str, decimals))
+            values[f"{size} students, {kind} decimals"] = shares
+            rows.append((size, kind, *(f"{100 * share:.1f} %" for share in shares.values())))
+    table = Table(
+        "Answers to the question of lesson 07",
+        ("students", "decimals", "wrong answers that agree with a world", "of these named", "copies named"),
+        tuple(rows),
+    )
+    return Result("personal_worlds", values, (table,))

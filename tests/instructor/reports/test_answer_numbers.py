@@ -1,0 +1,98 @@
+"""Numbers in written answers: read as people write them, and no world is named that chance explains."""
+
+import numpy as np
+import pytest
+
+from nao_course.instructor.reports.answer_numbers import chance_of_agreement, compare_numbers, numbers_in
+
+WORLDS = {
+    name: {"mean": mean, "error": error}
+    for name, mean, error in (
+        ("ada", 1.0834, 0.0329),
+        ("bob", 1.3116, 0.0411),
+        ("cyd", 0.91, 0.02),
+        ("dan", 2.2, 0.05),
+    )
+}
+
+
+def contains(text, value):
+    return any(each.is_rounded(value) for each in numbers_in(text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "1.08",
+        "1,083",
+        "Mean: 1.0834!",
+        "(1.08;",
+        "from 1.08 to 2",
+        "1.08.",
+        "0.95-1.08",
+        "1.05 \u2013 1.08",
+        "10.834e-1",
+        "+1.08",
+        "1.0834000000000001",
+        "1.08341\u00b10.01",
+        "mean=1.0833561243",
+    ],
+)
+def test_a_rounded_number_is_found_in_an_answer(text):
+    assert contains(text, 1.0834)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "1.1", "1.09", "11.08", "108", "1.0836567891", "-1.08", "\u22121.08", "1.07", "1." + "0" * 99],
+)
+def test_another_number_is_not_found(text):
+    assert not contains(text, 1.0834)
+
+
+@pytest.mark.parametrize("minus", "-\u2212\u2013")
+def test_a_sign_is_read_and_a_dash_is_not_a_sign(minus):
+    assert contains(f"It is {minus}0.25 m.", -0.25) and not contains(f"It is {minus}0.25 m.", 0.25)
+    assert contains(f"0.30{minus}0.45 m", 0.45) and not contains(f"0.30{minus}0.45 m", -0.45)
+
+
+def test_a_marker_reads_which_of_a_students_numbers_are_in_the_answer():
+    (line,) = compare_numbers("It is 1.08 on average.", "ada", WORLDS)
+    assert "mean 1.083 (in the answer)" in line and "error 0.033 (not in the answer)" in line
+    assert list(compare_numbers("It is 1.08.", "eve", WORLDS)) == []
+
+
+def test_whoever_has_the_own_numbers_as_python_prints_them_is_not_said_to_have_the_examples():
+    answer = "In the example 1.3116 and 0.0411, mine are 1.0834129384756123 and 0.03290019847261."
+    assert len(list(compare_numbers(answer, "ada", WORLDS))) == 1
+
+
+def worlds_of(size, seed):
+    """Numbers like those of lesson 07: two decimals of the first one distinguish hardly anything."""
+    values = np.random.default_rng(seed).normal((0.04, 1.3), (0.009, 0.3), (size, 2))
+    return {f"s{k}": {"mean": mean, "error": error} for k, (mean, error) in enumerate(values.tolist())}
+
+
+@pytest.mark.parametrize("size", [3, 8, 20, 40, 150])
+@pytest.mark.parametrize("decimals", [2, 3, 4, 5])
+def test_no_world_is_named_that_chance_explains_and_a_precise_copy_is(size, decimals):
+    worlds, chance = worlds_of(size, 1), np.random.default_rng(2)
+    named = copies = agreeing = 0
+    estimates = []
+    for _ in range(100):
+        student, other = chance.choice(list(worlds), 2, replace=False)
+        wrong, copied = (
+            " ".join(
+                f"{value * factor:.{decimals}f}" for value, factor in zip(of.values(), factors, strict=True)
+            )
+            for of, factors in ((worlds[student], chance.uniform(0.7, 1.3, 2)), (worlds[other], (1, 1)))
+        )
+        others = [worlds[name].values() for name in worlds if name != student]
+        agreeing += any(all(contains(wrong, value) for value in each) for each in others)
+        named += len(list(compare_numbers(wrong, student, worlds))) > 1
+        copies += other in " ".join(list(compare_numbers(copied, student, worlds))[1:])
+        estimates.append(chance_of_agreement(numbers_in(copied), [other], worlds))
+    assert named <= 1
+    assert copies == 100 or decimals < 4 or size < 20
+    assert copies == 0 or decimals > 2
+    assert agreeing / 100 <= 3 * np.mean(estimates) + 0.02  # the chance that is stated is the real one
