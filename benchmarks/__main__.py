@@ -38,6 +38,7 @@ BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with
             "grading_profile",
             "panel",
             "siege",
+            "personal_worlds",
             "similar",
             "slow_students",
         ),

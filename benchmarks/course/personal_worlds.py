@@ -1,6 +1,6 @@
 """How often the numbers of a personal world accuse a student by chance, and how many copied answers are found.
 
-``python -m benchmarks personal_worlds`` draws classes of answers to the question of lesson 07. Honest answers have both
+``python -m benchmarks personal_worlds`` draws classes of answers to the question of lesson 07. Own answers have both
 numbers wrong by up to 30 %; copied answers have the numbers of another student's world.
 """
 
@@ -18,7 +18,7 @@ from nao_course.instructor.reports.answer_numbers import compare_numbers, number
 LESSON = "07_ekf_slam"
 CLASSES = (20, 40, 150)
 DECIMALS = ((2, 2), (3, 2), (4, 3))  # of the two numbers; the lesson's table has three and two
-ANSWERS = 1000  # honest ones of each kind
+ANSWERS = 1000  # of each kind
 
 
 def numbers_of_worlds(many: int) -> dict[str, dict[str, float]]:
@@ -36,7 +36,7 @@ def numbers_of_worlds(many: int) -> dict[str, dict[str, float]]:
 def measure(
     worlds: dict[str, dict[str, float]], decimals: tuple[int, ...], chance: np.random.Generator
 ) -> dict[str, float]:
-    """Return the shares of honest answers that agree with a world and that are named, and of copies that are named."""
+    """Return the shares of own answers that agree with a world or are named, and of copies that are named."""
     students = [name for name in worlds if name != EXAMPLE]
     agreeing, accused, found = 0, 0, 0
 

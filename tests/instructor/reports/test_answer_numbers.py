@@ -68,7 +68,7 @@ def test_whoever_has_the_own_numbers_as_python_prints_them_is_not_said_to_have_t
 
 
 def worlds_of(size, seed):
-    """Numbers like those of lesson 07: two decimals of the first one distinguish hardly anything."""
+    """Return numbers like the ones in lesson 07, where two decimals of the first number distinguish little."""
     values = np.random.default_rng(seed).normal((0.04, 1.3), (0.009, 0.3), (size, 2))
     return {f"s{k}": {"mean": mean, "error": error} for k, (mean, error) in enumerate(values.tolist())}
 
