@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import typer
 from rich.console import Console
@@ -18,11 +20,21 @@ from rich.table import Table
 import nao_course._internal.single_threaded
 import nao_course.lab
 from nao_course import homework
+from nao_course._internal.text_encodings import write_any_character
 from nao_course.exercises import lesson_names
 from nao_course.exercises.checking import read_public
 from nao_course.student import notebooks, progress
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+
+class _Commands(typer.Typer):
+    """The commands, whose output reaches a pipe, file or console of any encoding."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        write_any_character(sys.stdout, sys.stderr)
+        return super().__call__(*args, **kwargs)
+
+
+app = _Commands(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 new = typer.Typer(no_args_is_help=True, help="Create an exercise or a lesson (instructors).")
 # More than processors, because a submission waits for the grader a part of its time
 DEFAULT_JOBS = (os.cpu_count() or 2) + 2

@@ -1,5 +1,6 @@
 """The command line: what it says to students, what it needs, and that the documentation can be followed."""
 
+import io
 import json
 import os
 import re
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
+import typer
 
 from nao_course import cli
 from nao_course._internal.single_threaded import SINGLE_THREADED
@@ -49,6 +51,42 @@ def test_check_says_in_a_table_what_is_right_and_what_is_not(solved, blank):
     result = run("check", str(blank / "01_hsl_filtering.ipynb"))
     assert result.exit_code == 1 and result.output.count("○ not attempted") == 6
     assert result.output.count("○ nothing written") == 1
+
+
+@pytest.fixture(params=["ascii", "cp1252", "cp850"])
+def output(request, monkeypatch):
+    """A function that runs a command whose output has an encoding without most signs."""
+
+    def run_here(*words):
+        stream = io.TextIOWrapper(io.BytesIO(), encoding=request.param)
+        monkeypatch.setattr(sys, "stdout", stream)
+        monkeypatch.setattr(sys, "stderr", stream)
+        with pytest.raises(SystemExit) as end:
+            cli.app([str(word) for word in words])
+        stream.flush()
+        return end.value.code, stream.buffer.getvalue().decode(request.param)
+
+    return run_here
+
+
+def commands_of(group, *words):
+    """Return the words of all commands and groups of commands."""
+    yield list(words)
+    for name, each in getattr(group, "commands", {}).items():
+        yield from commands_of(each, *words, name)
+
+
+@pytest.mark.parametrize("words", list(commands_of(typer.main.get_command(cli.app))), ids=" ".join)
+def test_each_commands_help_reaches_an_output_of_any_encoding(output, words):
+    code, said = output(*words, "--help")
+    assert code == 0 and "--help" in said and "\\u" not in said
+
+
+def test_results_and_errors_reach_an_output_of_any_encoding_with_the_same_status(output, blank, tmp_path):
+    code, said = output("check", blank / "01_hsl_filtering.ipynb")
+    assert code == 1 and said.count("o not attempted") == 6 and "\\u" not in said
+    code, said = output("check", tmp_path / "Łukasz \udce9 ✔.ipynb")
+    assert code == 1 and "\\u0141ukasz \\udce9 +.ipynb" in said.replace("\n", " ")
 
 
 def test_check_names_what_went_wrong(tmp_path):

@@ -1,9 +1,11 @@
-"""One reader of text for all files that people made: class lists, sheets, graphs, logs, requests and notebooks."""
+"""One reader of text for all files that people made, and an output that no character can stop."""
 
 from __future__ import annotations
 
 import codecs
+import io
 import re
+from typing import TextIO
 
 _MARKS = (  # UTF-32 first, because its mark begins with the one of UTF-16
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -11,6 +13,22 @@ _MARKS = (  # UTF-32 first, because its mark begins with the one of UTF-16
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
+_PLAIN = {  # signs of the course's own messages, for outputs whose encoding lacks them
+    **dict(zip("✔✘○●•→←×", "+xo**><x", strict=True)),
+    "…": "...",
+    "≤": "<=",
+    "≥": ">=",
+    "²": "^2",
+    "\u2212": "-",
+    "\u2013": "-",
+    "\u2014": "-",
+    "\u2019": "'",
+    **dict.fromkeys(map(chr, range(0x2500, 0x2580)), "+"),  # frames
+    **dict.fromkeys("─━═", "-"),
+    **dict.fromkeys("│┃║", "|"),
+    **dict.fromkeys(map(chr, range(0x2800, 0x2900)), "*"),  # what turns while a command works
+}
+_HANDLER = "nao_course"
 _BEYOND_ASCII = re.compile("[^\0-\x7f]")
 _CONTROL = re.compile("[\0-\x08\x0e-\x1f\x7f]")
 
@@ -66,3 +84,20 @@ def decode_text(data: bytes | bytearray) -> str:
 def _has_utf_8(data: bytes | bytearray) -> bool:
     """Return whether bytes that are not UTF-8 as a whole hold letters in UTF-8, as in two files that were joined."""
     return bool(_BEYOND_ASCII.search(data.decode("utf-8", "ignore")))
+
+
+def write_any_character(*streams: TextIO) -> None:
+    """Let streams replace each character that their encoding lacks, by a plain sign or a backslash escape."""
+    codecs.register_error(_HANDLER, _plainly)
+    for stream in streams:
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors=_HANDLER)
+
+
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    """Return what is written in place of the characters that cannot be encoded, and where to go on."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    lacking = error.object[error.start : error.end]
+    plain = (_PLAIN.get(each) or each.encode("ascii", "backslashreplace").decode() for each in lacking)
+    return "".join(plain), error.end

@@ -74,3 +74,21 @@ def test_the_students_own_labels_drive_along(lab, page):
     expect(page, "labels: green")
     wait_for(lambda: np.abs(looked_at(page, "bottom") - picture).mean() > 0.2, "labels over the picture", 30)
     assert painted_green(page, "top") < 0.2
+
+
+def test_the_keys_that_drive_destroy_nothing_beside_the_panel(lab, page):
+    """D D would delete the cell, I I would interrupt the kernel; the menu still deletes a cell."""
+    lab.write("keys.ipynb", "from nao_course.student import my_nao\nmy_nao()", "1 + 1")
+    lab.open(page, "keys.ipynb")
+    lab.run_all(page)
+    panel = page.locator(".nao-panel")
+    panel.wait_for(timeout=60_000)
+    box = panel.bounding_box()
+    page.mouse.click(box["x"] + box["width"] + 6, box["y"] + box["height"] / 2)
+    for key in "ddiixwwssjjkkll":
+        page.keyboard.press(key)
+    cells = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
+    assert page.evaluate(cells) == 2 and "KeyboardInterrupt" not in "".join(lab.errors(page))
+    page.get_by_role("menuitem", name="Edit").click()
+    page.get_by_role("menuitem", name="Delete Cell", exact=True).click()
+    assert wait_for(lambda: page.evaluate(cells) == 1, None, 20)
