@@ -1,11 +1,11 @@
 """Copy every student's notebooks from the home folders into a folder that `nao-course grade` takes.
 
-sudo python3 collect.py SUBMISSIONS [--homes FOLDER] [--sheet SHEET]
+sudo /opt/nao-course/.venv/bin/python collect.py SUBMISSIONS [--homes FOLDER] [--sheet SHEET]
 
 With the learning platform's sheet of grades (Moodle's grading worksheet or Canvas's gradebook), each student's folder
-is named after the student and the platform's number, so that `nao-course export` finds the student in that sheet. Needs
-only Python. Students' files are not trusted: a link is never followed, and a file that belongs to another user is never
-copied.
+is named after the student and the platform's number, so that `nao-course export` finds the student in that sheet. This
+needs the course; without a sheet, any Python will do. Students' files are not trusted: a link is never followed, a file
+that belongs to another user is never copied, and a student's files may have a limited size together.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ NOTEBOOKS = "notebooks"  # in each home folder
 WANTED = re.compile(r"\d\d_\w+\.ipynb|[A-Za-z_]\w*\.py", re.ASCII)  # lessons, and what they may import
 LARGEST = 50 * 2**20  # bytes; `grade` refuses larger notebooks, too
 MOST_FILES = 100  # of a student
+MOST_BYTES = 4 * LARGEST  # of a student's files together, holes in sparse files included
+HOLE = bytes(2**16)  # what is written as a hole
 WORLDS = "worlds.csv"  # for `nao-course marks --worlds`: a personal world follows from the account's name
 
 
@@ -36,7 +38,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--homes", type=Path, default=Path("/home"), help="Folder of the home folders.")
     parser.add_argument("--sheet", type=Path, help="Sheet of grades of Moodle or Canvas, CSV.")
     chosen = parser.parse_args(arguments)
-    names = folder_names(chosen.sheet) if chosen.sheet else {}
+    try:
+        names = folder_names(chosen.sheet) if chosen.sheet else {}
+    except ModuleNotFoundError:
+        print("--sheet needs the course: use its Python, /opt/nao-course/.venv/bin/python", file=sys.stderr)
+        return 1
+    except (OSError, ValueError) as error:
+        print(f"{chosen.sheet} cannot be used, and nothing was copied: {error}", file=sys.stderr)
+        return 1
     copied, problems = collect(chosen.homes, chosen.submissions, names)
     print(f"{sum(copied.values())} files of {len(copied)} students are in {chosen.submissions}")
     write_worlds(chosen.submissions / WORLDS, {names[home]: home for home in copied if home in names})
@@ -63,18 +72,13 @@ def folder_names(sheet: Path) -> dict[str, str]:
     dict of str to str
         "Ada Lovelace_1234567" by "nao-ada-lovelace-3c6d023791".
     """
-    with sheet.open(encoding="utf-8-sig", newline="") as file:
-        header, *rows = csv.reader(file)
-    columns = [each.strip().casefold() for each in header]
-    is_canvas = columns[:2] == ["student", "id"]
-    name_at, number_at = (0, 1) if is_canvas else (1, 0)
+    from nao_course._internal.tables import read_people
+
     names: dict[str, set[str]] = {}
-    for row in rows:
-        number = re.fullmatch(r"\D*(\d+)", row[number_at].strip()) if len(row) > 1 else None
-        if number:
-            student = row[name_at].replace("/", " ").replace("_", " ").strip() or "student"
-            for cell in filter(str.strip, row):
-                names.setdefault(system_name(cell), set()).add(f"{student}_{number[1]}")
+    for person in read_people(sheet):
+        student = person.name.replace("/", " ").replace("_", " ").strip() or "student"
+        for cell in filter(None, person.cells if person.number else ()):
+            names.setdefault(system_name(cell), set()).add(f"{student}_{person.number}")
     # Whoever calls themselves by a classmate's address does not get that classmate's work.
     return {account: found.pop() for account, found in names.items() if len(found) == 1}
 
@@ -88,9 +92,16 @@ def collect(homes: Path, out: Path, names: dict[str, str]) -> tuple[dict[str, in
                 files = sorted(each for each in os.listdir(folder) if WANTED.fullmatch(each))
                 if len(files) > MOST_FILES:
                     problems.append(f"{home}: only the first {MOST_FILES} of {len(files)} files")
+                left = MOST_BYTES
                 for name in files[:MOST_FILES]:
                     try:
-                        write(out / names.get(home, home) / name, read(name, folder))
+                        content = read(name, folder)
+                        if len(content) > left:
+                            raise ValueError(
+                                f"the student's files are larger than {MOST_BYTES // 2**20} MB together"
+                            )
+                        write(out / names.get(home, home) / name, content)
+                        left -= len(content)
                         copied[home] = copied.get(home, 0) + 1
                     except (OSError, ValueError) as error:
                         problems.append(f"{home}/{name}: {error}")
@@ -142,7 +153,14 @@ def write(path: Path, content: bytes) -> None:
     """Write a file as a whole: a grader that reads at the same time finds the old one or the new one."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.part")
-    part.write_bytes(content)
+    with part.open("wb") as file:
+        for start in range(0, len(content), len(HOLE)):
+            block = content[start : start + len(HOLE)]
+            if block == HOLE:  # a sparse file stays sparse
+                file.seek(len(block), os.SEEK_CUR)
+            else:
+                file.write(block)
+        file.truncate(len(content))
     part.replace(path)
 
 

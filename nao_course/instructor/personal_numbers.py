@@ -12,13 +12,13 @@ from typing import Any
 from rich.progress import track
 
 from nao_course._internal.personal_world import PersonalWorld
+from nao_course._internal.tables import read_table
 from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.earlier import resolved_by
 from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.authoring.plans import load_solution, solutions_beside
 from nao_course.instructor.autograding.assignment import library_digest
 from nao_course.instructor.gradebook.records import SubmissionResult
-from nao_course.instructor.reports.spreadsheets import read_table
 
 Numbers = Mapping[str, float]  # by what they are
 Compute = Callable[[PersonalWorld, Mapping[str, Callable[..., Any]]], Numbers]

@@ -45,8 +45,9 @@ def hub(tools, tmp_path):
 
     def run(sheet=""):
         arguments = [str(tmp_path / "out"), "--homes", str(tmp_path / "homes")]
-        if sheet:
-            (tmp_path / "sheet.csv").write_text(sheet)
+        if sheet != "":
+            if sheet is not None:  # else it is there
+                (tmp_path / "sheet.csv").write_text(sheet)
             arguments += ["--sheet", str(tmp_path / "sheet.csv")]
         status = collect.main(arguments)
         found = {
@@ -142,6 +143,33 @@ def test_a_file_of_any_size_costs_no_more_than_the_largest_that_is_graded(hub, t
         file.truncate(2**40)  # no space on the disk
     status, found = hub()
     assert status == 1 and list(found) == [f"{hub.ben.parent.name}/{LESSON}"]
+
+
+def test_a_student_may_collect_a_limited_number_of_files_and_bytes_and_holes_stay_holes(
+    hub, tools, monkeypatch
+):
+    monkeypatch.setattr(tools[0], "MOST_FILES", 3)
+    monkeypatch.setattr(tools[0], "MOST_BYTES", 2**20 + 100)
+    (hub.ada / LESSON).unlink()
+    with (hub.ada / "a.py").open("wb") as file:
+        file.truncate(2**20)
+        file.seek(2**19)
+        file.write(b"x = 1")
+    for name in "bcd":
+        (hub.ada / f"{name}.py").write_bytes(b"y" * 60)
+    status, found = hub()
+    ada, ben = hub.ada.parent.name, hub.ben.parent.name
+    assert status == 1 and set(found) == {f"{ada}/a.py", f"{ada}/b.py", f"{ben}/{LESSON}"}
+    assert (hub.out / ada / "a.py").read_bytes() == (hub.ada / "a.py").read_bytes()
+    assert (hub.out / ada / "a.py").stat().st_blocks * 512 < 2**19
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "cp1252"])
+def test_the_sheet_is_read_as_by_the_exports_and_an_empty_one_is_refused(hub, tmp_path, encoding):
+    (tmp_path / "sheet.csv").write_bytes(MOODLE.replace(",", ";").encode(encoding))
+    status, found = hub(sheet=None)
+    assert status == 0 and f"Ada Lovelace_11/{LESSON}" in found
+    assert hub("\n")[0] == 0 and hub("name,email\n")[0] == 1
 
 
 def test_a_name_depends_on_all_of_a_claim_and_not_on_its_case(tools):

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import pytest
 
+from nao_course._internal.tables import TableError
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.personal_numbers import PersonalNumbers, read_worlds
-from nao_course.instructor.reports.spreadsheets import TableError
 from tests.pages import answer, result
 from tests.toy.course import lay_out, run, with_a_written_question, write
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import csv
 import hashlib
 import json
 import re
@@ -13,6 +12,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
 from nao_course._internal.personal_world import STAMP, PersonalWorld, stamp_of
+from nao_course._internal.tables import Person, TableError, read_people
 from nao_course.exercises.checking import unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.homework import NOTEBOOKS, RELEASE, zipped
@@ -92,7 +92,7 @@ def make_release(
 
 
 def read_students(path: Path) -> list[str]:
-    """Read the names of a class: one in each line, or the first column of a CSV file with the header "student".
+    """Read the names of a class as the gradebook has them: from lines, a column "student", or a platform's sheet.
 
     Raises
     ------
@@ -100,13 +100,9 @@ def read_students(path: Path) -> list[str]:
         If the file cannot be read, contains no name, or two names would be the same file or personal world.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise LessonError(
-            f"cannot read the names in {path} ({error}): it must be a text file in UTF-8"
-        ) from None
-    cells = [row[0].strip() for row in csv.reader(lines) if row]
-    names = [name for name in (cells[1:] if cells[:1] == ["student"] else cells) if name]
+        names = [_in_the_gradebook(each) for each in read_people(path)]
+    except (OSError, TableError) as error:
+        raise LessonError(f"cannot read the names in {path} ({error})") from None
     if not names:
         raise LessonError(
             f"{path} contains no names: write one student in each line, named as in the gradebook"
@@ -119,6 +115,14 @@ def read_students(path: Path) -> list[str]:
                 f"{path} contains {names[first]!r} and {name!r}, which cannot be distinguished: rename one of them"
             )
     return names
+
+
+def _in_the_gradebook(person: Person) -> str:
+    """Return a student's name in a platform's download: "Ada Lovelace_12", or "lovelaceada_12" with Canvas."""
+    name = person.name
+    if person.platform == "canvas":
+        name = "".join(filter(str.isalnum, name.lower()))
+    return f"{name}_{person.number}" if person.number else name
 
 
 def _write_copy(path: Path, target: Path, student: str) -> None:

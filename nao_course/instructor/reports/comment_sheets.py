@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
+from nao_course._internal.tables import Row, read_rows, read_table
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Comment, ExerciseResult, SubmissionResult, fingerprint
 from nao_course.instructor.reports.html import Markup, element, join, lesson_title, page, visible, write_whole
-from nao_course.instructor.reports.spreadsheets import Row, fitting, read_rows, read_table, table
+from nao_course.instructor.reports.spreadsheets import fitting, table
 
 FOLDER = "comments"  # in GRADES
 HEADER = ("lesson", "exercise", "kind", "students", "comment")

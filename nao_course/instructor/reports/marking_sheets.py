@@ -11,6 +11,7 @@ from pathlib import Path
 
 from nao_course._internal.counts import say_count
 from nao_course._internal.personal_world import EXAMPLE
+from nao_course._internal.tables import Row, TableError, plain_number, read_table
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, WrittenAnswer
@@ -26,14 +27,13 @@ from nao_course.instructor.reports.html import (
     visible,
     write_whole,
 )
-from nao_course.instructor.reports.spreadsheets import Row, TableError, fitting, read_table, table
+from nao_course.instructor.reports.spreadsheets import fitting, table
 
 FOLDER = "marking"  # in GRADES
 HEADER = ("student", "lesson", "question", "answer", "points", "comment", "max points")
 # The answer that a mark belongs to; and an earlier answer with its mark, if the student has changed it since.
 MORE = ("answer id", "earlier answer", "earlier points", "earlier comment")
 MOST_SAID = 20  # problems of a file that are listed
-_NUMBER = re.compile(r"[0-9]{1,6}(?:[.,][0-9]{0,6})?|[.,][0-9]{1,6}", re.ASCII)
 _CODE = re.compile(r"student-[0-9a-f]{10}")
 
 Code = Callable[[str], str]
@@ -242,7 +242,7 @@ def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
     for row in rows:
         answer = known.get(_key(row)) or _without_zeros(_key(row), known)
         have = {(number(each.points), _comment(each.comment)) for each in (answer.marks if answer else ())}
-        points = _points(row["points"])
+        points = plain_number(row["points"])
         given = (row["points"].strip() if points is None else number(points), _comment(row["comment"]))
         if given not in have | {("", "")}:
             raise MarksError(f"{path}, row {row.number}, has a mark that was not read in: {say}")
@@ -312,7 +312,7 @@ def _take(row: Row, known: Mapping[Key, _Answer], marks: dict[Key, tuple[int, Ma
     if not row["points"].strip():
         return
     most, own = answer.answer.points, answer.answer.fingerprint
-    points = _points(row["points"])
+    points = plain_number(row["points"])
     if points is None:
         given = row["points"].strip()[:40]
         yield f"row {row.number}: points are {given!r}; they must be a number from 0 to {number(most)}"
@@ -357,12 +357,6 @@ def _unknown(key: Key, known: Iterable[Key]) -> str:
 
 def _key(row: Row) -> Key:
     return (row["student"], row["lesson"].strip(), row["question"].strip())
-
-
-def _points(text: str) -> float | None:
-    """Return a number written with a point or a comma; None for anything else."""
-    text = text.strip()
-    return float(text.replace(",", ".")) if _NUMBER.fullmatch(text) else None
 
 
 def _comment(text: str) -> str:

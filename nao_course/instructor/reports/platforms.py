@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from nao_course._internal.tables import TableError, plain_number, read_rows
 from nao_course.homework import zipped
 from nao_course.instructor.collecting.names import canvas_name
 from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.gradebook.scores import Score
 from nao_course.instructor.reports.html import number
-from nao_course.instructor.reports.spreadsheets import TableError, read_rows
 
 PLATFORMS = ("moodle", "canvas")
 # Moodle's columns, in the languages whose words are known here: the number, the points, the maximum.
@@ -143,7 +143,9 @@ def _maxima(rows: Sequence[Sequence[str]], columns: _Columns, file: str) -> Call
 
     def checked(cell: str, where: str) -> str:
         if not _value(cell) > 0:
-            raise TableError(f"{file}: {where} should be a maximum above 0, and it is {cell.strip()!r}")
+            raise TableError(
+                f"{file}: {where} should be a maximum above 0, such as 1300 or 12.5, and it is {cell.strip()!r}"
+            )
         return cell
 
     if (at := columns.maximum) is not None:
@@ -157,8 +159,7 @@ def _maxima(rows: Sequence[Sequence[str]], columns: _Columns, file: str) -> Call
 
 def _value(cell: str) -> float:
     """Return a maximum that is written with a point or a comma; 0 for anything else."""
-    found = re.fullmatch(r"\s*([0-9]{1,6})(?:[.,]([0-9]{0,6}))?\s*", cell, re.ASCII)
-    return float(f"{found[1]}.{found[2] or 0}") if found else 0.0
+    return plain_number(cell) or 0.0
 
 
 def _columns(platform: str, file: str, header: Sequence[str], wanted: str) -> _Columns:

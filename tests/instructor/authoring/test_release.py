@@ -154,6 +154,10 @@ def test_names_are_read_from_lines_and_from_a_table(tmp_path):
     assert release.read_students(path) == ["ada", "bob"]
     path.write_text('student,email\n"Lovelace, Ada",a@b\nbob,\n', encoding="utf-8")
     assert release.read_students(path) == ["Lovelace, Ada", "bob"]
+    path.write_text('Student,ID,Section\n"Lovelace, Ada",12,A\n', encoding="utf-8")
+    assert release.read_students(path) == ["lovelaceada_12"]
+    path.write_text("Identifier,Full name\nParticipant 12,Ada Lovelace\n", encoding="utf-8")
+    assert release.read_students(path) == ["Ada Lovelace_12"]
 
 
 @pytest.mark.parametrize(
@@ -161,7 +165,8 @@ def test_names_are_read_from_lines_and_from_a_table(tmp_path):
     [
         (b"", "contains no names"),
         (b"student\n\n", "contains no names"),
-        (b"\xff\xfe\x00", "text file in UTF-8"),
+        (b"\xff\xfe\x00", "Save it as UTF-8"),
+        (b"name,email\nada,a@b\n", "a column 'student'"),
         (b"Ada\nada\n", "'Ada' and 'ada'"),
         (b"ada\nada\n", "'ada' and 'ada'"),
     ],

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nao_course._internal.tables import TableError, read_table
 from nao_course.instructor.autograding.secret import student_code
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.reports.marking_sheets import HEADER, MORE, MarksError, read_marks, write_sheets
-from nao_course.instructor.reports.spreadsheets import TableError, read_table
 from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, mark, result, words
 
 code = partial(student_code, b"0123456789abcdef")
@@ -360,10 +360,14 @@ def test_a_row_that_belongs_to_nobody_and_a_changed_header_are_refused(journal, 
     assert journal.marks() == []
 
 
-def test_a_further_column_and_a_cell_beside_the_table_are_refused(journal, sheet):
+def test_a_column_of_ones_own_is_left_alone_and_a_doubled_one_and_a_cell_beside_the_table_are_refused(
+    journal, sheet
+):
     header, *rows = filled(sheet, ["1"] * 4)
-    save(sheet, [[*header, "mine"], *rows])
-    with pytest.raises(TableError, match="'mine' does not belong there"):
+    save(sheet, [[*header, "mine"], *([*row, "later"] for row in rows)])
+    assert read_marks(journal, sheet, code).read == 4
+    save(sheet, [[*header, "points"], *rows])
+    with pytest.raises(TableError, match="the columns 'points' are there twice"):
         read_marks(journal, sheet, code)
     save(sheet, [header, [*rows[0], "1.5"], *rows[1:]])
     with pytest.raises(TableError, match="row 2: '1.5' stands in a column without a name"):

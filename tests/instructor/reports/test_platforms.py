@@ -6,9 +6,9 @@ import zipfile
 
 import pytest
 
+from nao_course._internal.tables import TableError
 from nao_course.instructor.gradebook.scores import scores
 from nao_course.instructor.reports.platforms import MOODLES_COLUMNS, feedback_zip, fill_sheet
-from nao_course.instructor.reports.spreadsheets import TableError
 from tests.pages import answer, exercise, result
 
 MOODLE = (

@@ -7,15 +7,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from nao_course.instructor.reports import spreadsheets
+from nao_course._internal import tables
+from nao_course._internal.tables import TableError, escape_formula, read_table, unescape_formula
 from nao_course.instructor.reports.marking_sheets import HEADER
-from nao_course.instructor.reports.spreadsheets import (
-    TableError,
-    escape_formula,
-    read_table,
-    table,
-    unescape_formula,
-)
+from nao_course.instructor.reports.spreadsheets import table
 
 
 @settings(max_examples=200, deadline=None)
@@ -46,7 +41,7 @@ def test_an_answer_longer_than_a_cell_is_cut_with_a_word():
 
 
 def test_a_table_that_is_far_too_large_is_not_read(tmp_path, monkeypatch):
-    monkeypatch.setattr(spreadsheets, "LARGEST", 10)
+    monkeypatch.setattr(tables, "LARGEST", 10)
     (tmp_path / "x.csv").write_bytes(b"0" * 11)
     with pytest.raises(TableError, match="larger than"):
         read_table(tmp_path / "x.csv", HEADER)
@@ -64,7 +59,7 @@ def test_a_table_is_read_in_any_encoding_and_with_any_separator(tmp_path, encodi
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
 def test_another_programs_rows_are_split_at_its_separator(tmp_path, separator):
     (tmp_path / "t.csv").write_text(separator.join(("name", "id", "points")) + "\n", encoding="utf-8")
-    assert spreadsheets.read_rows(tmp_path / "t.csv") == [["name", "id", "points"]]
+    assert tables.read_rows(tmp_path / "t.csv") == [["name", "id", "points"]]
 
 
 def test_numbers_keep_six_digits_and_no_idle_zeros():
