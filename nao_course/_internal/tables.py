@@ -20,7 +20,7 @@ NUMBERS_OF_MOODLE = ("identifier", "id", "identifiant", "identificador")
 NAMES_OF_MOODLE = (
     *("full name", "vollständiger name", "nom complet", "nombre completo", "nome completo", "volledige naam"),
 )
-# First rows that are no student's name, so that a list with one of them lacks the column "student"
+# Headings that are not a student's name, so that a list with one of them lacks the column "student"
 _HEADINGS = {
     *NUMBERS_OF_MOODLE,
     *NAMES_OF_MOODLE,
