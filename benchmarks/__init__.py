@@ -6,11 +6,18 @@ Each folder holds the benchmarks of one subject and the modules that they share.
 from __future__ import annotations
 
 import json
+import platform
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import cache
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.progress import track
 from rich.table import Table as RichTable
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -25,6 +32,18 @@ class Table:
     title: str
     columns: tuple[str, ...]
     rows: tuple[tuple[object, ...], ...]
+
+    @classmethod
+    def of(cls, title: str, found: Mapping[str, Mapping[str, Any]], *columns: str, shown: str = "") -> Table:
+        """Lay out values by row and column, some of the columns or all of them; `shown` is a format of numbers."""
+        names = columns or tuple(next(iter(found.values())))
+        cells = (
+            (row, *(format(of[name], shown) if name in of else "" for name in names))
+            if shown
+            else (row, *(of.get(name, "") for name in names))
+            for row, of in found.items()
+        )
+        return cls(title, ("", *names), tuple(cells))
 
 
 @dataclass(frozen=True)
@@ -74,6 +93,58 @@ class Result:
         path = folder / f"{self.name}.json"
         path.write_text(json.dumps(_rounded(self.values), indent=2, allow_nan=False) + "\n", encoding="utf-8")
         return path
+
+
+@cache
+def solution(lesson: str) -> Mapping[str, Any]:
+    """Return what the solution of a lesson defines, by the lesson's number, such as "07"."""
+    from nao_course.instructor.authoring.plans import load_solution
+
+    (path,) = (ROOT / "solutions").glob(f"{lesson}_*.ipynb")
+    return load_solution(path)
+
+
+def in_processes(run: Callable[[Any], Any], given: Sequence[Any], title: str, jobs: int = 2) -> list[Any]:
+    """Call a function for each item in a few processes, with a progress bar; the results are in the items' order."""
+    with ProcessPoolExecutor(jobs, get_context("spawn"), _on_one_core) as pool:
+        return list(track(pool.map(run, given), title, len(given)))
+
+
+def _on_one_core() -> None:
+    import cv2
+
+    cv2.setNumThreads(1)
+
+
+def digits(value: Any, count: int = 3) -> Any:
+    """Round every float in a JSON value to some significant digits."""
+    if isinstance(value, dict):
+        return {key: digits(each, count) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [digits(each, count) for each in value]
+    return float(f"{value:.{count}g}") if isinstance(value, float) else value
+
+
+def write_json(path: Path, value: Any, indent: int | None = None) -> None:
+    """Write what a lesson's figure reads."""
+    path.write_text(json.dumps(value, indent=indent) + "\n", encoding="utf-8")
+
+
+def chromium() -> str:
+    """Return the path of this machine's Chromium."""
+    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if found is None:
+        raise FileNotFoundError(
+            "there is no Chromium on this machine (on Debian and Ubuntu: apt install chromium)"
+        )
+    return found
+
+
+def processor() -> str:
+    """Return the name of this machine's processor."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text().splitlines() if info.exists() else []
+    return next((line.split(": ")[1] for line in lines if line.startswith("model name")), platform.machine())
 
 
 def _borders(columns: int) -> int:

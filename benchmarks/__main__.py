@@ -4,53 +4,29 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import re
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from rich.console import Console
 
 import benchmarks
 
-BENCHMARKS = {  # folder: names of its benchmarks, each a module or package with a `main`
-    "pictures": ("colour_filter", "corners", "distance", "experiments", "pipeline", "posts", "tilt"),
-    "simulator": ("realism", "reality", "rendering"),
-    "ekf": ("ekf_consistency", "ekf_ideas", "ekf_logs", "ekf_speed"),
-    "graphs": ("ekf_and_graph", "linear_graphs", "pose_graphs"),
-    "field": (
-        "association",
-        "calibration",
-        "compass",
-        "field_ideas",
-        "field_slam",
-        "field_speed",
-        "field_tails",
-        "field_walk",
-        "own_fields",
-        "kidnapping",
-    ),
-    "beyond": ("beyond_cameras", "beyond_exploring", "beyond_moves", "beyond_particles"),
-    "course": (
-        *(
-            "films",
-            "grading",
-            "grading_cluster",
-            "grading_memory",
-            "grading_profile",
-            "panel",
-            "siege",
-            "personal_worlds",
-            "similar",
-            "slow_students",
-        ),
-        "world",
-    ),
-    "": ("challenges", "hub"),
-}
-MODULES = {
-    name: ".".join(filter(None, ("benchmarks", folder, name)))
-    for folder, names in BENCHMARKS.items()
-    for name in names
-}
+
+def _modules() -> dict[str, str]:
+    """Return the module or package of each benchmark by its name: every one that has a `main`."""
+    found = {}
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        if path.name != "__main__.py" and re.search(
+            r"^def main\(", path.read_text(encoding="utf-8"), re.MULTILINE
+        ):
+            module = path.parent if path.name == "__init__.py" else path.with_suffix("")
+            found[module.name] = ".".join(module.relative_to(benchmarks.ROOT).parts)
+    return found
+
+
+MODULES = _modules()
 
 
 def run(name: str, console: Console) -> bool:

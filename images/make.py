@@ -17,7 +17,6 @@ from pathlib import Path
 from rich.console import Console
 
 from nao_course.instructor.authoring.course import load_course
-from nao_course.plotting import Drawing
 
 ROOT = Path(__file__).resolve().parents[1]
 Files = Mapping[Path, bytes]  # contents by the path under ROOT
@@ -35,14 +34,6 @@ def drawn_demo() -> Files:
         **{Path("images", name): (folder / name).read_bytes() for name in ("demo.png", "demo.webp")},
         Path("nao_course", "films", "recordings", "demo.json"): (folder / "film.json").read_bytes(),
     }
-
-
-def corner_steps() -> Files:
-    """What each step of two corner detectors brings, as `python -m benchmarks corners` has recorded it."""
-    from benchmarks.pictures import corners
-
-    drawing = Drawing(corners.draw_steps(corners.recorded_steps()), "")
-    return {Path("images", "corner_steps.png"): drawing.image()}
 
 
 def screen(name: str) -> Files:
@@ -127,7 +118,6 @@ PICTURES: dict[str, Callable[[], Files]] = {
     "lesson": lambda: screen("lesson"),
     "effects": effects,
     "own_fields": own_fields,
-    "corner_steps": corner_steps,
     "09_intel": real_building,
     "11_real_walk": real_walk,
     "half_field_A3": sheet,

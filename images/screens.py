@@ -11,7 +11,7 @@ from typing import Any
 
 from PIL import Image
 
-from benchmarks.course.panel import chromium
+from benchmarks import chromium
 from tests.browser.lab import Lab, browser_page, jupyter_lab, wait_for
 from tests.paths import PROJECT
 

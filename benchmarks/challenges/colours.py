@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks import ROOT
+from benchmarks import solution
 from benchmarks.challenges.pictures import Pixels, check_picture
-from nao_course.exercises import Definitions, load_definitions
 
 Labels = npt.NDArray[np.uint8]
 
 GREEN, YELLOW = (90.0, 160.0), (44.0, 66.0)  # degrees; carpets and goals of several venues, as in the lesson
 LINES = 41  # pixels: what white is brighter than is the mean of a square of this side
 CONTRAST, PART = 15.0, 0.4  # levels; part of the 99.5 % quantile
-
-
-@cache
-def lesson_functions() -> Definitions:
-    """Return the functions of the lesson's solution."""
-    return load_definitions(ROOT / "solutions" / "01_hsl_filtering.ipynb")
 
 
 def nothing(picture: Pixels) -> Labels:
@@ -35,7 +27,7 @@ def reference(picture: Pixels, min_saturation: float = 0.16) -> Any:
     """Return the labels of the lesson's solution."""
     if not check_picture(picture).size:
         return nothing(picture)
-    own = lesson_functions()
+    own = solution("01")
     mean = own["average_lightness"](own["rgb_to_hsl"](picture)[2], 1000, np.random.default_rng(0))
     return own["color_labels"](picture, GREEN, YELLOW, own["white_threshold"](mean), min_saturation)
 

@@ -6,16 +6,14 @@ Each says its interval by rooms that it was tried in: others than the challenge'
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT
-from benchmarks.challenges.corners import find_corners_better
+from benchmarks import solution
+from benchmarks.challenges.corner_detector import find_corners_better
 from benchmarks.challenges.pictures import Pixels
 from benchmarks.challenges.posts import labels_of
-from nao_course.exercises import Definitions, load_definitions
 from nao_course.geometry import FloatArray
 
 Rooms = list[Pixels]
@@ -25,15 +23,9 @@ PAPER, BEST = (120, 5, 40), (120, 7, 50)
 NOTHING_CLAIM, PAPER_CLAIM, BEST_CLAIM, BETTER_CLAIM = (1.8, 2.8), (1.4, 3.2), (1.2, 2.6), (-2.9, -0.2)
 
 
-@cache
-def lesson_functions() -> Definitions:
-    """Return the functions of lesson 03's solution."""
-    return load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
-
-
 def with_setting(beta: float, gap: float, length: float) -> Detector:
     """Return the lesson's detector with a setting."""
-    return lambda picture: lesson_functions()["find_corners"](labels_of(picture, beta=beta), gap, length)
+    return lambda picture: solution("03")["find_corners"](labels_of(picture, beta=beta), gap, length)
 
 
 def nothing(pictures: Rooms) -> Any:

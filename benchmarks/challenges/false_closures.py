@@ -4,25 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse.linalg import splu
 
-from benchmarks import ROOT
+from benchmarks import solution
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
-from nao_course.instructor.authoring.plans import load_solution
 
 WIDTH = 3.0  # of the kernel, standard deviations
 GATE = 16.0  # of three numbers: an honest closure fails it once in a thousand
-
-
-@cache
-def _lesson() -> Any:
-    return load_solution(ROOT / "solutions" / "09_pose_graphs.ipynb")
 
 
 def nothing(graph: Graph, states: FloatArray) -> FloatArray:
@@ -32,12 +25,12 @@ def nothing(graph: Graph, states: FloatArray) -> FloatArray:
 
 def plain(graph: Graph, states: FloatArray) -> FloatArray:
     """Use all edges with their stated information, as the paper does."""
-    return np.asarray(_lesson()["gauss_newton"](graph, states, 15)[0])
+    return np.asarray(solution("09")["gauss_newton"](graph, states, 15)[0])
 
 
 def kernel(graph: Graph, states: FloatArray) -> FloatArray:
     """Reweight all edges before each of twenty steps, starting with the odometry."""
-    gauss_newton, reweight = (_lesson()[name] for name in ("gauss_newton", "reweight"))
+    gauss_newton, reweight = (solution("09")[name] for name in ("gauss_newton", "reweight"))
     for _ in range(20):
         states = gauss_newton(reweight(graph, states, WIDTH), states, 1)[0]
     return states
@@ -45,7 +38,7 @@ def kernel(graph: Graph, states: FloatArray) -> FloatArray:
 
 def tested_one_by_one(graph: Graph, states: FloatArray) -> FloatArray:
     """Take the closure whose outcome is known best, believe it where it fits what is known, and go on with the next."""
-    gauss_newton = _lesson()["gauss_newton"]
+    gauss_newton = solution("09")["gauss_newton"]
     believed = graph.edges[:, 1] == graph.edges[:, 0] + 1
     waiting = np.flatnonzero(~believed).tolist()
     e, S = _innovations(graph, waiting, _part(graph, believed), states)
@@ -76,7 +69,7 @@ def _innovations(
     graph: Graph, waiting: Sequence[int], known: Graph, states: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the residuals (C, 3) of closures at the current estimate, and their covariances (C, 3, 3)."""
-    lesson, poses, ends = _lesson(), graph.split(states)[0], graph.edges[waiting]
+    lesson, poses, ends = solution("09"), graph.split(states)[0], graph.edges[waiting]
     pairs = poses[ends[:, 0]], poses[ends[:, 1]], graph.measurements[waiting]
     rows = (3 * ends[:, :, None] + np.arange(3)).reshape(-1, 6)
     P = _covariances(lesson["linearize"](known, states)[0], rows)

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
-from benchmarks import ROOT
+from benchmarks import solution
 from nao_course.challenges.beliefs import odometry_belief
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.observation import CAMERA_HEIGHT, TILT_SIGMAS, picture_covariance
 from nao_course.geometry import wrap_angle
-from nao_course.instructor.authoring.plans import load_solution
 
 Array = npt.NDArray[Any]
 Belief = tuple[Array, Array]
-
-
-@cache
-def _solution() -> Mapping[str, Any]:
-    """Return the functions and classes of the lesson's solution."""
-    return load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
 
 
 def odometry(start: Any, log: list[Any]) -> Belief:
@@ -37,7 +29,7 @@ def odometry(start: Any, log: list[Any]) -> Belief:
 
 def _entry(name: str, **chosen: Any) -> Callable[..., Belief]:
     def entry(start: Any, log: list[Any]) -> Belief:
-        slam = _solution()[name](start, **chosen)
+        slam = solution("11")[name](start, **chosen)
         for motion, seen in log:
             if motion is not None:
                 slam.move(motion)
@@ -100,7 +92,7 @@ class _Whole:
 
 def better(start: Any, log: list[Any]) -> Belief:
     """Take the associations of the reference, and solve for all poses, landmarks and tilts at once."""
-    slam = _solution()["EkfSlam"](start, association=associate_jointly)
+    slam = solution("11")["EkfSlam"](start, association=associate_jointly)
     poses, moves, sigmas, rows = [start.as_array()], [], [], []
     for number, (motion, seen) in enumerate(log):
         if motion is not None:

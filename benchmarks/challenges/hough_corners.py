@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from functools import cache
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT
-from benchmarks.challenges.corners import find_corners_better
+from benchmarks import solution
+from benchmarks.challenges.corner_detector import find_corners_better
 from benchmarks.challenges.pictures import Pixels, finds_points
 from benchmarks.challenges.posts import labels_of, nothing
-from nao_course.exercises import Definitions, load_definitions
 
 ENDLESS = 1e9  # px
-
-
-@cache
-def lesson_functions() -> Definitions:
-    """Return the functions of the lesson's solution."""
-    return load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
 
 
 @finds_points
 def paper(picture: Pixels) -> Any:
     """Detect corners by Aliyev et al. 2014, section 4.3, with the hue alone and intersections of infinite lines."""
-    own, labels = lesson_functions(), labels_of(picture, 0.0)
+    own, labels = solution("03"), labels_of(picture, 0.0)
     white = own["line_picture"](own["erase_background"](labels))
     pairs = combinations(own["hough_segments"](white), 2)
     meetings = [own["segment_intersection"](*pair, ENDLESS) for pair in pairs]
@@ -38,7 +30,7 @@ def paper(picture: Pixels) -> Any:
 @finds_points
 def reference(picture: Pixels) -> Any:
     """Use the lesson's detector, with a least saturation and segments that are 5 pixels longer."""
-    return lesson_functions()["find_corners"](labels_of(picture))
+    return solution("03")["find_corners"](labels_of(picture))
 
 
 CORNER_ENTRIES = {

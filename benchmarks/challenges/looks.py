@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks import ROOT
-from nao_course.exercises import Definitions
+from benchmarks import solution
 from nao_course.geometry import wrap_angle
-from nao_course.instructor.authoring.plans import load_solution
 
 Array = npt.NDArray[np.float64]
 BEARING, RANGE = float(np.radians(1.5)), 0.05  # as the robot's sensors have them: rad, part of the range
 SAMPLES = 64  # poses by which a look is judged before it is taken
 ITERATIONS = 8
-
-
-@cache
-def lesson_functions() -> Definitions:
-    """Return the functions of the solutions of lessons 05 and 06."""
-    return load_solution(ROOT / "solutions" / "06_localization.ipynb")
 
 
 def _expected(pose: Array, landmark: Array) -> Array:
@@ -48,7 +39,7 @@ def no_measurement(pose: Array, covariance: Array, landmarks: Array, sensor: Any
 
 def nearest(pose: Array, covariance: Array, landmarks: Array, sensor: Any) -> Any:
     """Measure the three landmarks that are nearest to the estimated pose."""
-    localize = lesson_functions()["localize"]
+    localize = solution("06")["localize"]
     for number in np.argsort(np.hypot(*(landmarks - pose[:2]).T))[:3]:
         measured, noise = sensor.measure(int(number))
         pose, covariance = localize(pose, covariance, measured, landmarks[number], noise)
@@ -57,7 +48,7 @@ def nearest(pose: Array, covariance: Array, landmarks: Array, sensor: Any) -> An
 
 def greedy(pose: Array, covariance: Array, landmarks: Array, sensor: Any) -> Any:
     """Choose each time the landmark after which the determinant of the filter's covariance is smallest."""
-    localize = lesson_functions()["localize"]
+    localize = solution("06")["localize"]
     for _ in range(3):
         left = []
         for landmark in landmarks:

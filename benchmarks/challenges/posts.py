@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import cv2
 import numpy as np
 
-from benchmarks import ROOT
-from benchmarks.challenges.colours import lesson_functions as colour_functions
+from benchmarks import solution
 from benchmarks.challenges.pictures import Pixels, finds_points
 from nao_course.colours import GREEN, YELLOW, mean_lightness
-from nao_course.exercises import Definitions, load_definitions
-
-
-@cache
-def lesson_functions() -> Definitions:
-    """Return the functions of the lesson's solution."""
-    return load_definitions(ROOT / "solutions" / "02_goalposts.ipynb")
 
 
 def labels_of(picture: Pixels, min_saturation: float = 0.16, beta: float = 120.0) -> Any:
     """Return the labels of the lesson's solution."""
-    own = colour_functions()
+    own = solution("01")
     threshold = own["white_threshold"](mean_lightness(picture), beta)
     return own["color_labels"](picture, GREEN, YELLOW, threshold, min_saturation)
 
@@ -36,7 +27,7 @@ def nothing(picture: Pixels) -> Any:
 @finds_points
 def paper(picture: Pixels) -> Any:
     """Find posts by Aliyev et al. 2014, section 4.2, with the hue alone; "some" of "a few pixels" is 3 of 5."""
-    own = lesson_functions()
+    own = solution("02")
     candidates = own["post_candidates"](labels_of(picture, 0.0), 3, 5, 0.15)
     return own["cluster_points"](candidates, 20.0)
 
@@ -44,7 +35,7 @@ def paper(picture: Pixels) -> Any:
 @finds_points
 def reference(picture: Pixels) -> Any:
     """Use the lesson's detector."""
-    return lesson_functions()["find_goalposts"](labels_of(picture))
+    return solution("02")["find_goalposts"](labels_of(picture))
 
 
 @finds_points
@@ -53,7 +44,7 @@ def better(picture: Pixels) -> Any:
 
     All numbers were chosen in rooms 930 to 935, none of them the board's.
     """
-    own = lesson_functions()
+    own = solution("02")
     hls = cv2.cvtColor(cv2.medianBlur(picture, 5).astype(np.float32) / 255, cv2.COLOR_RGB2HLS)
     hue, saturation = hls[..., 0], hls[..., 2]
     labels = np.zeros(hue.shape, dtype=np.uint8)

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
+from collections.abc import Callable, Mapping
 from itertools import product
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks import ROOT
-from nao_course.exercises import Definitions
+from benchmarks import solution
 from nao_course.field_slam.drives import INSIDE
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.beyond.planning import in_a_circle
 from nao_course.lessons.beyond.worlds import AHEAD, FIELD, ODOMETRY, SENSOR
 from nao_course.sim.drives import NamedEkf
@@ -34,16 +31,9 @@ WAYS = np.array(  # turn, walk, turn
 )
 
 
-@cache
-def lesson_functions() -> tuple[Definitions, Definitions]:
-    """Return the functions of the solutions of lessons 07 and 12."""
-    folder = ROOT / "solutions"
-    return load_solution(folder / "07_ekf_slam.ipynb"), load_solution(folder / "12_beyond.ipynb")
-
-
 def _filter(robot: Any) -> NamedEkf:
     """Return lesson 07's filter at a robot's start, after the first measurements."""
-    ekf, _ = lesson_functions()
+    ekf = solution("07")
     slam = NamedEkf(robot.start, *(ekf[name] for name in ("predict", "update_landmarks", "add_landmark")))
     _look(robot, slam)
     return slam
@@ -79,7 +69,7 @@ def _by(choose: Callable[..., int]) -> Callable[[Any], Belief]:
 
 
 def _lessons_choice(state: Array, covariance: Array, offered: Any) -> int:
-    return int(lesson_functions()[1]["choose_move"](state, covariance, offered))
+    return int(solution("12")["choose_move"](state, covariance, offered))
 
 
 # --- a better one ---
@@ -93,7 +83,7 @@ def _cells() -> Array:
 
 def better(robot: Any) -> Belief:
     """Choose each time the move after which the map contains the most bits."""
-    ekf, _ = lesson_functions()
+    ekf = solution("07")
     slam, cells = _filter(robot), _cells()
     unseen = ~AHEAD.sees(slam.state[:3], cells)
     while robot.moves_left:
@@ -105,7 +95,7 @@ def better(robot: Any) -> Belief:
 
 
 def _best(
-    ekf: Definitions, slam: NamedEkf, cells: Array, unseen: npt.NDArray[np.bool_]
+    ekf: Mapping[str, Any], slam: NamedEkf, cells: Array, unseen: npt.NDArray[np.bool_]
 ) -> tuple[float, float]:
     missing = LANDMARKS - len(slam.known)
     worth = WORTH * missing / max(int(unseen.sum()), 1)
@@ -141,7 +131,7 @@ def _after(pose: Array, distance: float, turn: float) -> Array:
     return np.asarray(pose + way + (0.0, 0.0, turn))
 
 
-def _certainty(ekf: Definitions, slam: NamedEkf, distance: float, turn: float, after: Array) -> float:
+def _certainty(ekf: Mapping[str, Any], slam: NamedEkf, distance: float, turn: float, after: Array) -> float:
     """Return the bits of the map after a move and new measurements, as predicted by the filter."""
     noise = ODOMETRY.covariance(Motion(distance, turn))
     belief = ekf["predict"](slam.state, slam.covariance, np.array([distance, turn]), noise, len(slam.known))

@@ -11,8 +11,7 @@ from typing import Any
 
 import psutil
 
-from benchmarks import Result, Table
-from benchmarks.course.panel import chromium, processor
+from benchmarks import Result, Table, chromium, processor
 from nao_course.widgets.world.widget import BUNDLE
 from tests.browser.lab import Lab, browser_page, jupyter_lab
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import Result, Table, solution, write_json
 from nao_course.field_slam.association import associate_jointly
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.slam_on_the_field.associating import POSITION_SIGMA, Associate
 from nao_course.lessons.slam_on_the_field.gates import (
     FATES,
@@ -70,21 +68,17 @@ def looks(associate: Associate, gate: float) -> dict[str, dict[str, float]]:
 
 def main() -> Result:
     """Drive with both methods of association and every gate, and write what the lesson's figure shows."""
-    solution = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
-    rows = record(solution["EkfSlam"])
-    RECORDED.write_text(json.dumps(rows) + "\n", encoding="utf-8")
+    own = solution("11")
+    rows = record(own["EkfSlam"])
+    write_json(RECORDED, rows)
     found = {f"{row['way']}, gate {row['gate']:g}": summary(row) for row in rows}
-    columns = ("", *next(iter(found.values())))
-    cells = tuple((name, *(f"{value:.1f}" for value in of.values())) for name, of in found.items())
+    seen = {f"gate {gate:g}": looks(own["associate"], gate) for gate in GATES}
     title = f"{DRIVES} drives of {MOVES} moves, {rows[0]['measurements']} measurements"
-    seen = {f"gate {gate:g}": looks(solution["associate"], gate) for gate in GATES}
-    shares = tuple(
-        (f"{gate}, {doubt}", f"{of['right']:.1f}", f"{of['left out']:.1f}")
-        for gate, doubts in seen.items()
-        for doubt, of in doubts.items()
+    each = {f"{gate}, {doubt}": of for gate, doubts in seen.items() for doubt, of in doubts.items()}
+    looked = Table.of(f"{LOOKS} looks at a whole map, nearest neighbour, %", each, shown=".1f")
+    return Result(
+        "association", {"drives": found, "looks": seen}, (Table.of(title, found, shown=".1f"), looked)
     )
-    looked = Table(f"{LOOKS} looks at a whole map, nearest neighbour", ("", "right %", "left out %"), shares)
-    return Result("association", {"drives": found, "looks": seen}, (Table(title, columns, cells), looked))
 
 
 def summary(row: dict[str, Any]) -> dict[str, float]:

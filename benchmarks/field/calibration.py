@@ -6,17 +6,14 @@ assumes is wrong by a random offset of up to 8 degrees in pitch and 3 in roll, a
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
-import cv2
 import numpy as np
-from rich.progress import track
 from scipy.stats import chi2
 
-from benchmarks import Result, Table
-from benchmarks.field.field_slam.detections import detections, prepare, shots
-from benchmarks.field.field_slam.report import FRESH
+from benchmarks import Result, Table, in_processes
+from benchmarks.field.detections import detections, prepare, shots
+from benchmarks.field.field_slam import FRESH
 from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.lines import read_lines
 from nao_course.geometry import FloatArray
@@ -28,7 +25,6 @@ AFTER = (1, 3, 6, 12, 24, 45)  # pictures; a stop has three
 
 def calibrated(seed: int) -> FloatArray:
     """Return errors and sigmas of pitch and roll, rad, and the NEES after the numbers of pictures in AFTER, (6, 5)."""
-    cv2.setNumThreads(1)
     offset = np.random.default_rng([seed, 17]).uniform(-LARGEST, LARGEST)
     pitch, roll = offset.tolist()
     own, found = CameraCalibration(), []
@@ -45,39 +41,30 @@ def calibrated(seed: int) -> FloatArray:
     return np.array(found)
 
 
-def main(jobs: int = 2) -> Result:
+def main() -> Result:
     """Calibrate on all drives."""
-    prepare(SEEDS, jobs=jobs)
-    with ProcessPoolExecutor(jobs) as pool:
-        runs = np.array(list(track(pool.map(calibrated, SEEDS), "drives", len(SEEDS))))
+    prepare(SEEDS)
+    runs = np.array(in_processes(calibrated, SEEDS, "drives"))
     degrees = np.degrees(runs[..., :4])
     rms, largest = np.sqrt(np.mean(degrees[..., :2] ** 2, axis=0)), np.abs(degrees[..., :2]).max(axis=0)
-    sigma, nees = degrees[..., 2:].mean(axis=0), runs[..., 4].mean(axis=0)
-    band = (chi2.ppf((0.025, 0.975), 2 * len(SEEDS)) / len(SEEDS)).tolist()
-    values = {
-        "drives": len(SEEDS),
-        "NEES band": band,
-        "after": {
-            str(number): {
-                "pitch rms": float(rms[k, 0]),
-                "roll rms": float(rms[k, 1]),
-                "pitch sigma": float(sigma[k, 0]),
-                "roll sigma": float(sigma[k, 1]),
-                "pitch largest": float(largest[k, 0]),
-                "roll largest": float(largest[k, 1]),
-                "NEES mean": float(nees[k]),
-            }
-            for k, number in enumerate(AFTER)
-        },
-    }
-    first = next(iter(values["after"].values()))
-    table = Table(
-        f"offset of the camera, {len(SEEDS)} drives, degrees",
-        ("pictures", *first),
-        tuple(
-            (number, *(f"{value:.2f}" for value in row.values())) for number, row in values["after"].items()
-        ),
+    columns = np.column_stack([rms, degrees[..., 2:].mean(axis=0), largest, runs[..., 4].mean(axis=0)])
+    names = (
+        "pitch rms",
+        "roll rms",
+        "pitch sigma",
+        "roll sigma",
+        "pitch largest",
+        "roll largest",
+        "NEES mean",
     )
+    after = {
+        str(number): dict(zip(names, row, strict=True))
+        for number, row in zip(AFTER, columns.tolist(), strict=True)
+    }
+    low, high = (chi2.ppf((0.025, 0.975), 2 * len(SEEDS)) / len(SEEDS)).tolist()
     return Result(
-        "calibration", values, (table,), (f"NEES of 40 consistent drives: {band[0]:.2f} to {band[1]:.2f}",)
+        "calibration",
+        {"drives": len(SEEDS), "NEES band": [low, high], "after": after},
+        (Table.of(f"offset of the camera after some pictures, {len(SEEDS)} drives, degrees", after),),
+        (f"NEES of {len(SEEDS)} consistent drives: {low:.2f} to {high:.2f}",),
     )

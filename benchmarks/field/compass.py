@@ -8,19 +8,15 @@ computed with the true camera, differs from both directions of the field by more
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
 
-import cv2
 import numpy as np
-from rich.progress import track
 
-from benchmarks import Result, Table
-from benchmarks.field.field_slam.algorithms import FILTER, surest_first
-from benchmarks.field.field_slam.detections import Seen, detections, prepare
-from benchmarks.field.field_slam.report import BEST, FRESH, SEEN, summary
-from benchmarks.field.field_slam.variants import Read, Score, run
+from benchmarks import Result, Table, in_processes
+from benchmarks.field.detections import Seen, detections, prepare
+from benchmarks.field.field_slam import FRESH, SEEN
+from benchmarks.field.variants import BEST, ENDS, FILTER, Read, Score, run, summary, surest_first
 from nao_course.field_slam.compass import (
     LEAST_LENGTH,
     direction_sigmas,
@@ -42,9 +38,8 @@ def lines_of(seen: Seen) -> FloatArray:
     ends = np.reshape(seen.lines, (-1, 4))
     sigma = direction_sigmas(ends, seen.view)
     true = line_directions(line_normals(ends, seen.true_view), 0.0, 0.0) + seen.pose.theta
-    deviation = np.abs(wrap_quarter(true))
     usable = np.isfinite(sigma)
-    outlier = deviation > np.maximum(3 * np.where(usable, sigma, 0.0), np.radians(2))
+    outlier = np.abs(wrap_quarter(true)) > np.maximum(3 * np.where(usable, sigma, 0.0), np.radians(2))
     return np.column_stack([ground_lengths(ends, seen.view), outlier])[usable]
 
 
@@ -57,7 +52,6 @@ def readings(reads: Sequence[Read]) -> FloatArray:
 
 def looked_at(seed: int) -> tuple[FloatArray, dict[str, FloatArray], int]:
     """Return the lines of a drive, its compass readings by variant, and its number of pictures."""
-    cv2.setNumThreads(1)
     seen = detections(seed)
     read = {name: [Read.of(each, least_length=length) for each in seen] for name, length in ASKED.items()}
     lines = np.vstack([lines_of(each) for each in seen])
@@ -66,7 +60,6 @@ def looked_at(seed: int) -> tuple[FloatArray, dict[str, FloatArray], int]:
 
 def driven(seed: int) -> dict[str, Score]:
     """Run the variants on a drive, with and without false corners, in the usual order and with the surest first."""
-    cv2.setNumThreads(1)
     scores = {}
     for name, length in ASKED.items():
         reads = [Read.of(each, least_length=length) for each in detections(seed)]
@@ -76,50 +69,33 @@ def driven(seed: int) -> dict[str, Score]:
     return scores
 
 
-def main(jobs: int = 2) -> Result:
-    """Render what is missing, count lines and readings, and run the drives."""
-    for seeds in (LOOKED_AT, FRESH):
-        prepare(seeds, jobs=jobs)
-    with ProcessPoolExecutor(jobs) as pool:
-        counted = list(track(pool.map(looked_at, LOOKED_AT), "lines and readings", len(LOOKED_AT)))
-        drives = list(track(pool.map(driven, FRESH), "drives", len(FRESH)))
-    length, none = np.vstack([each for each, _, _ in counted]).T
+def main() -> Result:
+    """Count lines and readings, and run the drives."""
+    prepare([*LOOKED_AT, *FRESH])
+    counted = in_processes(looked_at, LOOKED_AT, "lines and readings")
+    drives = in_processes(driven, FRESH, "drives")
+    length, outlier = np.vstack([each for each, _, _ in counted]).T
     pictures = sum(number for _, _, number in counted)
     by_length = {}
     for low, high in pairwise(LENGTHS):
         here = (length >= low) & (length < high)
-        by_length[f"{low:g} to {high:g} m"] = {"lines": int(here.sum()), "none": float(none[here].mean())}
+        by_length[f"{low:g} to {high:g} m"] = {"lines": int(here.sum()), "none": float(outlier[here].mean())}
     read = {}
     for name in ASKED:
         error, sigma = np.vstack([each[name] for _, each, _ in counted]).T
-        far = (np.abs(error) > np.radians(5)) & (sigma < np.radians(1))
         read[name] = {
             "share of pictures": len(error) / pictures,
             "median error (degrees)": float(np.degrees(np.median(np.abs(error)))),
             "beyond 4 sigma": float((np.abs(error) > 4 * sigma).mean()),
-            "5 degrees off and sure to 1": int(far.sum()),
+            "5 degrees off and sure to 1": int(
+                ((np.abs(error) > np.radians(5)) & (sigma < np.radians(1))).sum()
+            ),
             "mean square over variance": float(np.mean((error / sigma) ** 2)),
         }
     ends = {name: summary([each[name] for each in drives]) for name in drives[0]}
-    keys = ("position", "position 95 %", "position worst", "NEES mean")
     tables = (
-        Table(
-            f"lines of {len(LOOKED_AT)} drives by their length on the ground",
-            ("length", "lines", "none of the straight ones"),
-            tuple((name, str(row["lines"]), f"{row['none']:.3f}") for name, row in by_length.items()),
-        ),
-        Table(
-            "readings",
-            ("asked", *next(iter(read.values()))),
-            tuple((name, *(f"{value:.3g}" for value in row.values())) for name, row in read.items()),
-        ),
-        Table(
-            f"ends of {len(FRESH)} drives",
-            ("asked", "position m", "95 %", "worst", "NEES", "lost"),
-            tuple(
-                (name, *(f"{row[key]:.3g}" for key in keys), f"{row['lost'] * row['drives']:.0f}")
-                for name, row in ends.items()
-            ),
-        ),
+        Table.of(f"lines of {len(LOOKED_AT)} drives by their length on the ground", by_length, shown=".5g"),
+        Table.of("readings", read, shown=".3g"),
+        Table.of(f"ends of {len(FRESH)} drives", ends, *ENDS, shown=".3g"),
     )
     return Result("compass", {"lines": by_length, "readings": read, "drives": ends}, tables)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import Result, Table, solution, write_json
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.observation import Observation
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.slam_on_the_field.associating import GATE, Outcome, follow
 from nao_course.lessons.slam_on_the_field.gates import shares_of, watch
 from nao_course.lessons.slam_on_the_field.ideas import RECORDED
@@ -78,18 +76,16 @@ def _row(idea: str, outcomes: list[Outcome], wrong: float) -> dict[str, Any]:
 
 def main() -> Result:
     """Drive with every idea, and write what the lesson's figure shows."""
-    rows = record(load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb"))
-    RECORDED.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    cells = tuple(
-        (
-            row["idea"],
-            100 * float(np.median(row["off"])),
-            100 * max(row["off"]),
-            float(np.median(row["nees"])),
-            100 * row["wrong"],
-        )
+    rows = record(solution("11"))
+    write_json(RECORDED, rows, 1)
+    found = {
+        row["idea"]: {
+            "median off (cm)": 100 * float(np.median(row["off"])),
+            "worst (cm)": 100 * max(row["off"]),
+            "median NEES": float(np.median(row["nees"])),
+            "wrong (%)": 100 * row["wrong"],
+        }
         for row in rows
-    )
-    values = {str(name): list(numbers) for name, *numbers in cells}
-    columns = ("idea", "median off (cm)", "worst (cm)", "median NEES", "wrong (%)")
-    return Result("field_ideas", values, (Table(f"{DRIVES} drives of {MOVES} moves", columns, cells),), ())
+    }
+    values = {name: list(of.values()) for name, of in found.items()}
+    return Result("field_ideas", values, (Table.of(f"{DRIVES} drives of {MOVES} moves", found),))

@@ -1,7 +1,6 @@
 """A real robot's walk: its pictures, its true steps with odometry's noise, and where filter and graph say it ends.
 
-The pictures are the same for every seed; the seeds draw the odometry's errors. Pictures with the field as the robot
-believes to see it go to ``build/field_walk.jpg``, which git ignores; images/make.py draws the maps.
+The pictures are the same for every seed; the seeds draw the odometry's errors. images/make.py draws the maps.
 """
 
 from __future__ import annotations
@@ -14,10 +13,9 @@ from typing import Any, Literal, cast
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks import BUILD, ROOT, Result, Table
+from benchmarks import ROOT, Result, Table, solution
 from benchmarks.pictures.distance import marked, offset_of
 from benchmarks.simulator.reality import corrected_walk
-from benchmarks.simulator.reality.figure import LINE_COLOUR, field_curves
 from nao_course.datasets import RealPicture, read_pictures
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import COMPASS_SIGMA, wrap_quarter
@@ -28,9 +26,8 @@ from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.observation import Observation
 from nao_course.field_slam.walk import FIELD, PITCH_OFFSET, Frame, real_walk, walk_view
 from nao_course.geometry import FloatArray, Pose, pose_errors
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.metrics import squared_distances
-from nao_course.plotting import LANDMARK_MARKERS, course_style, plot_estimate, plot_field, plot_path
+from nao_course.plotting import course_style, plot_estimate, plot_field, plot_path
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.slam import KINDS, DeadReckoning, Estimate, SlamAlgorithm
 
@@ -42,7 +39,6 @@ Make = Callable[[Pose], SlamAlgorithm]
 Classes = Mapping[str, Callable[..., SlamAlgorithm]]
 HALF = 15  # pictures on which the calibration was developed
 ASSUMED = ((0.0, 0.0), (4.0, 0.0), (-1.0, 3.0), (10.0, -3.0), (10.0, 3.0), (3.0, -2.0))  # degrees
-DRAWN = (0, 3, 8, 14, 16, 20)  # pictures
 
 
 class AtOnce(CameraCalibration):
@@ -209,7 +205,7 @@ def main() -> Result:
     """Run all variants of the walk with twenty seeds."""
     pictures = read_pictures("straightwalk")
     functions = demo_functions((), ROOT / "solutions")
-    classes = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
+    classes = solution("11")
     read: dict[Options, tuple[list[Observation], CameraCalibration]] = {}
     walks: dict[str, list[Walked]] = {}
     for name, (options, algorithm) in VARIANTS.items():
@@ -243,21 +239,8 @@ def main() -> Result:
         name: from_assumed_views(functions, pictures[:HALF], maker(classes, "EkfSlam"), wait)
         for name, wait in (("first pictures wait", True), ("first pictures at once", False))
     }
-    _draw_pictures(frames, seen, calibration)
-    columns = ("variant", "off m", "95 %", "worst", "along", "across", "heading °", "NEES")
-    keys = (
-        "position",
-        "position 95 %",
-        "position worst",
-        "along rms",
-        "across rms",
-        "heading rms",
-        "NEES median",
-    )
-    rows = tuple(
-        (name, *(f"{of[key]:.3g}" if key in of else "" for key in keys)) for name, of in found.items()
-    )
-    table = Table(f"end of a walk of {len(pictures)} pictures and 6 m, {len(SEEDS)} seeds", columns, rows)
+    title = f"end of a walk of {len(pictures)} pictures and 6 m, {len(SEEDS)} seeds"
+    table = Table.of(title, found, *found["EKF"], shown=".3g")
     notes = tuple(f"{name}: {value:.3g}" for name, value in values.items() if isinstance(value, int | float))
     return Result("field_walk", values, (table,), notes)
 
@@ -309,7 +292,7 @@ def draw_maps() -> bytes:
     """
     pictures = read_pictures("straightwalk")
     seen, _ = Options().observations(demo_functions((), ROOT / "solutions"), pictures)
-    classes = load_solution(ROOT / "solutions" / "11_slam_on_the_field.ipynb")
+    classes = solution("11")
     makers = {name: maker(classes, VARIANTS[name][1]) for name in ("odometry alone", "EKF", "graph")}
     walks = {name: walk(pictures, SHOWN, seen, Options(), make) for name, make in makers.items()}
     odometry, png = walks.pop("odometry alone"), io.BytesIO()
@@ -335,24 +318,3 @@ def draw_maps() -> bytes:
     legend_below(figure, keys)
     figure.savefig(png, dpi=110, bbox_inches="tight", metadata={"Software": None})
     return png.getvalue()
-
-
-def _draw_pictures(
-    frames: Sequence[Frame], seen: Sequence[Observation], calibration: CameraCalibration
-) -> None:
-    """Draw some pictures with the field as seen by the calibrated camera, and with the measurements."""
-    figure = Figure(figsize=(15, 8), layout="constrained")
-    for ax, number in zip(figure.subplots(2, 3).flat, DRAWN, strict=True):
-        frame = frames[number]
-        view = calibration.corrected(frame.view)
-        ax.imshow(frame.pixels)
-        camera = frame.pose.to_parent(view.position[:2])[0]
-        for curve in field_curves(FIELD, camera)[LINE_COLOUR]:
-            ax.plot(*view.project(curve, frame.pose).T, color=LINE_COLOUR, linewidth=0.8)
-        for each in seen[number]:
-            place = each.range * np.array([[np.cos(each.bearing), np.sin(each.bearing)]])
-            marker = LANDMARK_MARKERS[each.kind]
-            ax.plot(*view.project(place)[0], marker, color="#cc0066", fillstyle="none", markersize=11)
-        ax.set(xlim=(0, 319), ylim=(239, 0), xticks=[], yticks=[], title=f"picture {number + 1}")
-    BUILD.mkdir(exist_ok=True)
-    figure.savefig(BUILD / "field_walk.jpg", dpi=90)

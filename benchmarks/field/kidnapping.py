@@ -9,25 +9,19 @@ false if the filter without `KidnapRecovery` is right at that stop.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import cv2
 import numpy as np
-from rich.progress import track
 
-from benchmarks import Result, Table
-from benchmarks.field.field_slam.algorithms import joint_update, surest_first
-from benchmarks.field.field_slam.detections import Seen, detections, prepare
-from benchmarks.field.field_slam.variants import Read
+from benchmarks import Result, Table, in_processes
+from benchmarks.field.detections import Seen, detections, prepare
 from benchmarks.field.field_tails import WHOLE
-from nao_course.field_slam.joint_update import JointUpdate
+from benchmarks.field.variants import Read, joint_update, surest_first
 from nao_course.field_slam.kidnapping.recovery import TRUSTED, KidnapRecovery
-from nao_course.field_slam.observation import Observation
-from nao_course.geometry import Pose, wrap_angle
-from nao_course.slam import Motion, SlamAlgorithm
+from nao_course.geometry import wrap_angle
+from nao_course.slam import SlamAlgorithm
 
 # Nothing was tuned on these drives. All parameters were tuned on drives 200 to 299.
 ORDINARY = range(1000, 1200)
@@ -121,20 +115,14 @@ def spliced(seed: int, other: int) -> tuple[list[Stop], int]:
     return [*drive[:first], *second[int(rng.choice(far)) :]], first
 
 
-def observed(stops: Sequence[Stop]) -> Iterator[tuple[Motion | None, Pose, list[Observation]]]:
-    """Yield the motion before each stop, the true pose and the observations."""
-    rng = np.random.default_rng(0)
-    for stop in stops:
-        yield stop[0].motion, stop[0].pose, [WHOLE(Read.of(seen), rng) for seen in stop]
-
-
 def steps(slam: SlamAlgorithm, stops: Sequence[Stop]) -> list[Step]:
     """Run an algorithm over some stops."""
-    found = []
-    for motion, pose, observations in observed(stops):
+    found, rng = [], np.random.default_rng(0)
+    for stop in stops:
+        pose, observations = stop[0].pose, [WHOLE(Read.of(seen), rng) for seen in stop]
         began = time.thread_time()
-        if motion is not None:
-            slam.move(motion)
+        if stop[0].motion is not None:
+            slam.move(stop[0].motion)
         for each in observations:
             slam.observe(each)
         estimate = slam.estimate().pose
@@ -150,9 +138,8 @@ def steps(slam: SlamAlgorithm, stops: Sequence[Stop]) -> list[Step]:
 
 def kidnapped(seeds: tuple[int, int]) -> tuple[Kidnapping, list[Step]]:
     """Carry a robot from one drive into another."""
-    cv2.setNumThreads(1)
     stops, first = spliced(*seeds)
-    found = steps(KidnapRecovery(_filter(stops)), stops)
+    found = steps(KidnapRecovery(joint_update(stops[0][0].pose)), stops)
     early, there = found[first - 1].alarms, found[first:]
     noticed = _first(there, lambda step: step.alarms > early)
     after = there[noticed:]
@@ -165,9 +152,8 @@ def kidnapped(seeds: tuple[int, int]) -> tuple[Kidnapping, list[Step]]:
 
 def ordinary(seed: int) -> tuple[int, int, list[Step]]:
     """Return the number of alarms of an ordinary drive, how many of them are false, and its stops."""
-    cv2.setNumThreads(1)
     stops = stops_of(seed)
-    found = steps(KidnapRecovery(_filter(stops)), stops)
+    found = steps(KidnapRecovery(joint_update(stops[0][0].pose)), stops)
     if not found[-1].alarms:
         return 0, 0, found
     plain = steps(surest_first(joint_update)(stops[0][0].pose), stops)
@@ -176,24 +162,19 @@ def ordinary(seed: int) -> tuple[int, int, list[Step]]:
     return len(alarms), len(false), found
 
 
-def _filter(stops: Sequence[Stop]) -> JointUpdate:
-    return joint_update(stops[0][0].pose)
-
-
 def _first(found: Sequence[Step], holds: Callable[[Step], bool]) -> int:
     """Return the number of the first stop at which a condition holds, or NEVER."""
     return next((number for number, step in enumerate(found) if holds(step)), NEVER)
 
 
-def main(jobs: int = 2) -> Result:
-    """Render what is missing, carry a hundred robots away, and let two hundred drive in peace."""
-    prepare(ORDINARY, jobs=jobs)
+def main() -> Result:
+    """Carry a hundred robots away, and let two hundred drive in peace."""
+    prepare(ORDINARY)
     pairs = [(seed, CARRIED[(number + 1) % len(CARRIED)]) for number, seed in enumerate(CARRIED)]
-    with ProcessPoolExecutor(jobs) as pool:
-        carried = list(track(pool.map(kidnapped, pairs), "kidnapped", len(pairs)))
-        left = list(track(pool.map(ordinary, ORDINARY), "ordinary", len(ORDINARY)))
+    carried = in_processes(kidnapped, pairs, "kidnapped")
+    left = in_processes(ordinary, ORDINARY, "ordinary")
     every = [step for _, found in carried for step in found] + [step for *_, found in left for step in found]
-    values = {
+    values: dict[str, Any] = {
         "kidnapped": summary([result for result, _ in carried]),
         "ordinary": quiet(left),
         "ms a picture": {
@@ -202,7 +183,12 @@ def main(jobs: int = 2) -> Result:
         },
         "each": {str(seed): asdict(result) for (seed, _), (result, _) in zip(pairs, carried, strict=True)},
     }
-    return Result("kidnapping", values, _tables(values))
+    tables = (
+        Table.of("carried away once", {each: {"": value} for each, value in values["kidnapped"].items()}),
+        Table.of("ordinary drives", {"": values["ordinary"]}),
+        Table.of("time of the SLAM algorithm for a picture, ms of one core", values["ms a picture"]),
+    )
+    return Result("kidnapping", values, tables)
 
 
 def summary(found: Sequence[Kidnapping]) -> dict[str, float]:
@@ -240,18 +226,3 @@ def _times(found: Sequence[Step]) -> dict[str, float]:
         "95 %": float(np.quantile(each, 0.95)),
         "worst": float(each.max()),
     }
-
-
-def _tables(values: dict[str, Any]) -> tuple[Table, ...]:
-    carried = tuple((name, f"{value:.3g}") for name, value in values["kidnapped"].items())
-    return (
-        Table("carried away once", ("", "value"), carried),
-        _table("ordinary drives", {"": values["ordinary"]}),
-        _table("time of the SLAM algorithm for a picture, ms of one core", values["ms a picture"]),
-    )
-
-
-def _table(title: str, values: dict[str, dict[str, float]]) -> Table:
-    """Return a table with a row for each name."""
-    rows = tuple((name, *(f"{value:.3g}" for value in of.values())) for name, of in values.items())
-    return Table(title, ("", *next(iter(values.values()))), rows)

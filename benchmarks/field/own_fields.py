@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import ROOT, Result, Table, in_processes
 from nao_course.field_slam.compass import tilt_from_lines
 from nao_course.field_slam.demo import drive as demo
 from nao_course.field_slam.demo import report
@@ -31,9 +29,7 @@ from nao_course.sim.fields import SHIPPED
 
 SEEDS = range(10)
 LOST = 0.5  # m: an error at the end from which a drive counts as lost
-
 NEAR = 3.0  # m
-WORKERS = 2  # processes, each with a field; no time is measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,35 +113,20 @@ def field_results(name: str, seeds: Sequence[int] = SEEDS) -> dict[str, Any]:
 
 def main() -> Result:
     """Drive over each field of the course."""
-    with ProcessPoolExecutor(WORKERS, get_context("spawn")) as pool:
-        found = dict(zip(SHIPPED, pool.map(field_results, SHIPPED), strict=True))
-    detectors = Table(
-        f"detectors, {len(SEEDS)} drives on each field, landmarks up to {demo.FARTHEST:g} m",
-        ("field", "detector", f"within {NEAR:g} m", "recall", "farther", "recall", "false per picture"),
-        tuple(
-            (field, name, *rates.values())
-            for field, each in found.items()
-            for name, rates in each["detectors"].items()
+    found = dict(zip(SHIPPED, in_processes(field_results, SHIPPED, "fields"), strict=True))
+    tables = (
+        Table.of(
+            f"detectors, {len(SEEDS)} drives on each field, landmarks up to {demo.FARTHEST:g} m, near: {NEAR:g} m",
+            {
+                f"{field}, {name}": of
+                for field, each in found.items()
+                for name, of in each["detectors"].items()
+            },
+        ),
+        Table.of(
+            f"ends of {len(SEEDS)} drives, m; lost: over {LOST:g} m",
+            {f"{field}, {name}": of for field, each in found.items() for name, of in each["drives"].items()},
+            *("position median", "position worst", "lost", "landmarks", "landmarks_median"),
         ),
     )
-    drives = Table(
-        f"ends of {len(SEEDS)} drives",
-        (
-            "field",
-            "estimate",
-            "position median (m)",
-            "worst (m)",
-            f"over {LOST:g} m",
-            "landmarks",
-            "map median (m)",
-        ),
-        tuple(
-            (field, name, *(each.get(key, "") for key in _SHOWN))
-            for field, result in found.items()
-            for name, each in result["drives"].items()
-        ),
-    )
-    return Result("own_fields", {"fields": found, "seeds": len(SEEDS), "lost": LOST}, (detectors, drives))
-
-
-_SHOWN = ("position median", "position worst", "lost", "landmarks", "landmarks_median")
+    return Result("own_fields", {"fields": found, "seeds": len(SEEDS), "lost": LOST}, tables)

@@ -19,9 +19,8 @@ from typing import Any
 import numpy as np
 import psutil
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import ROOT, Result, Table, processor
 from benchmarks.course.grading import own_mb
-from benchmarks.course.panel import processor
 from benchmarks.hub.running import Hub, give_solutions, installation, missing, running_hub
 
 CLASSES = (1, 10, 30)

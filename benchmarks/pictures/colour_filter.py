@@ -1,7 +1,7 @@
 """What the saturation floor of lesson 01 brings, on the real pictures and on the simulator's twins of them.
 
 The functions are the lesson's own solution. Where carpet, posts and the background are in a picture is known
-from the pictures' fitted geometry (benchmarks/simulator/realism).
+from the pictures' fitted geometry (benchmarks/simulator/real_scenes).
 """
 
 from __future__ import annotations
@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
-from benchmarks.simulator.realism import Geometry, RealScene, compare_detector, real_scenes, simulated_twin
-from nao_course.exercises import load_definitions
+from benchmarks import Result, Table, solution
+from benchmarks.simulator.real_scenes import Geometry, real_scenes, simulated_twin
 from nao_course.sim.reality import Reality
 
 FLOORS = (0.0, 0.08, 0.16, 0.24, 0.32)
@@ -46,25 +45,20 @@ def pooled(each: list[dict[str, list[float]]]) -> dict[str, list[float]]:
 
 
 def main() -> Result:
-    """Measure all pictures and their twins, and the paper's corner detector with and without the floor."""
-    own = load_definitions(ROOT / "solutions" / "01_hsl_filtering.ipynb")
-    scenes: tuple[RealScene, ...] = real_scenes()
+    """Measure all pictures and their twins."""
+    own, scenes = solution("01"), real_scenes()
     geometry = [scene.geometry() for scene in scenes]
-    real = pooled([shares(s.picture.pixels, g, own) for s, g in zip(scenes, geometry, strict=True)])
     twins = [simulated_twin(scene, Reality(), number)[0] for number, scene in enumerate(scenes)]
-    simulated = pooled([shares(p, g, own) for p, g in zip(twins, geometry, strict=True)])
-    corners = {f"{floor}": compare_detector(min_saturation=floor)["real"] for floor in (0.0, 0.16)}
-    names = ("corners", "hits", "false", "cost")
-    kept = {floor: {name: each[name] for name in names} for floor, each in corners.items()}
-    tables = [
+    sides = {"real": [scene.picture.pixels for scene in scenes], "simulated": twins}
+    values: dict[str, Any] = {"floors": list(FLOORS)}
+    for name, pictures in sides.items():
+        values[name] = pooled([shares(p, g, own) for p, g in zip(pictures, geometry, strict=True)])
+    tables = tuple(
         Table(
-            f"{title}: mean share of {len(scenes)} pictures, %, by saturation floor",
+            f"{name}: mean share of {len(scenes)} pictures, %, by saturation floor",
             ("", *(f"{floor:g}" for floor in FLOORS)),
-            tuple((name, *(100 * value for value in values)) for name, values in side.items()),
+            tuple((part, *(100 * share for share in each)) for part, each in values[name].items()),
         )
-        for title, side in (("real", real), ("simulated", simulated))
-    ]
-    rows = tuple((floor, *each.values()) for floor, each in kept.items())
-    tables.append(Table("the paper's corner detector, real", ("floor", *names), rows))
-    values = {"floors": list(FLOORS), "real": real, "simulated": simulated, "corners": kept}
-    return Result("colour_filter", values, tuple(tables))
+        for name in sides
+    )
+    return Result("colour_filter", values, tables)

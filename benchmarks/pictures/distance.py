@@ -1,8 +1,8 @@
 """How far off distances are on a real robot's pictures, after one calibration: lesson 04's functions on marked points.
 
-Ten pictures tell the constant offset of the camera's pitch; all others are measured with it. Which of the field's
-landmarks a marked point is comes from `benchmarks.simulator.reality`; where it is, from the robot's pose as it was set
-by hand. The pictures choose nothing else: the camera is the maker's, its lens term that of the library.
+Ten pictures tell the constant offset of the camera's pitch; all others are measured with it. Which landmark a marked
+point is comes from `benchmarks/simulator/reality.py`; where it is, from the robot's pose as it was set by hand.
+The pictures choose nothing else: the camera is the maker's, its lens term that of the library.
 """
 
 from __future__ import annotations
@@ -13,15 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import Result, Table, solution
 from benchmarks.simulator.reality import corrected_walk, fit_set
 from nao_course.datasets import RealPicture, read_pictures
-from nao_course.exercises import load_definitions
 from nao_course.geometry import FloatArray
 from nao_course.lessons.distance.calibration import EDGES, Marked, by_distance, range_errors
 from nao_course.sim import NAO_V4, CameraView
 
-OWN = load_definitions(ROOT / "solutions" / "04_distance.ipynb")
+OWN = solution("04")
 CALIBRATED_ON = 10  # pictures
 SETS = {"real scenes": "scenes", "real walk": "straightwalk"}
 

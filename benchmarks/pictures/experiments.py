@@ -5,25 +5,21 @@
 
 from __future__ import annotations
 
-import json
-import time
 from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import Result, Table, solution, write_json
 from benchmarks.challenges.posts import labels_of
-from nao_course.exercises import load_definitions
 from nao_course.lessons.experiments.paper_table import BEST, BETAS, GAPS, LENGTHS, PAPER_MEANS, SETTINGS
 from nao_course.lessons.experiments.reading import RECORDED, SIZES, impossible_means
 from nao_course.lessons.experiments.resampling import optimism, rank_correlation, shares_won
 from nao_course.lessons.experiments.scenes import CornerScene, nothing_costs, real_scenes, simulated_scenes
 from nao_course.metrics import mean_interval
 
-OWN = load_definitions(ROOT / "solutions" / "10_experiments.ipynb")
-CORNERS = load_definitions(ROOT / "solutions" / "03_hough_corners.ipynb")
+OWN, CORNERS = solution("10"), solution("03")
 
 
 def search(scenes: Sequence[CornerScene], scale: float = 1.0) -> dict[Any, Any]:
@@ -49,10 +45,7 @@ def measured(table: dict[Any, Any], scenes: Sequence[CornerScene]) -> dict[str, 
 
 def main() -> Result:
     """Search on all sets, and write what the lesson shows of them."""
-    scenes = simulated_scenes()  # made before the clock runs
-    start = time.process_time()
-    tune = search(scenes)
-    seconds = time.process_time() - start
+    tune = search(simulated_scenes())
     sets: dict[str, dict[str, Any]] = {}
     for size, scale in SIZES.items():
         scenes = simulated_scenes("tune", (round(320 * scale), round(240 * scale)))
@@ -67,7 +60,7 @@ def main() -> Result:
         raise FileNotFoundError("the real pictures are not here")
     tables = {name: search(scenes) for name, scenes in others.items()}
     sets |= {name: measured(tables[name], scenes) for name, scenes in others.items()}
-    RECORDED.write_text(json.dumps(sets, indent=1) + "\n", encoding="utf-8")
+    write_json(RECORDED, sets, 1)
     found, shares = optimism(tune), shares_won(tune)
     best = min(tune, key=lambda setting: float(tune[setting].mean()))
     values: dict[str, Any] = {
@@ -86,20 +79,17 @@ def main() -> Result:
             for name, each in sets.items()
         },
     }
-    rows = tuple(
-        (
-            name,
-            each["pictures"],
-            each["nothing"],
-            each["means"][SETTINGS.index(BEST)],
-            min(each["means"]),
-            max(each["means"]),
-        )
+    shown = {
+        name: {
+            "pictures": each["pictures"],
+            "nothing": each["nothing"],
+            "120, 5, 40": each["means"][SETTINGS.index(BEST)],
+            "lowest": min(each["means"]),
+            "highest": max(each["means"]),
+        }
         for name, each in sets.items()
-    )
-    columns = ("27 settings", "pictures", "nothing", "120, 5, 40", "lowest", "highest")
-    notes = (f"27 settings on 30 scenes: {seconds:.1f} s of the processor's time",)
-    return Result("experiments", values, (Table("mean costs", columns, rows),), notes)
+    }
+    return Result("experiments", values, (Table.of("mean costs of 27 settings", shown),))
 
 
 def _with_thirds(mean: float, pictures: int = 30) -> bool:

@@ -1,17 +1,14 @@
 """How quickly the simulator takes a picture, on one core, beside the usual way: a ground texture, warped.
 
-``python -m benchmarks rendering``. Wanted are 8, 25 and 90 ms at 320, 640 and 1280 pixels' width in the preset `lab`.
+``python -m benchmarks rendering``; the preset is `lab`.
 """
 
 from __future__ import annotations
 
-import cProfile
-import pstats
 import time
 import tracemalloc
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
 
 import cv2
 import numpy as np
@@ -29,7 +26,6 @@ Pixels = npt.NDArray[np.uint8]
 Taken = tuple[Pose, CameraView]
 
 SIZES = ((320, 240), (640, 480), (1280, 960))
-WANTED_MS = {320: 8.0, 640: 25.0, 1280: 90.0}
 PICTURES = 24
 FIELD = Field(2012)
 
@@ -119,36 +115,6 @@ def times_ms(take: Callable[[Taken], Pixels], size: tuple[int, int]) -> list[flo
     return found
 
 
-STAGES = {
-    "_carpet": "carpet, looked up by ray",
-    "large_quad": "carpet's outline",
-    "_room": "room behind the field",
-    "__init__": "rays, lamps on a coarse grid",
-    "light_ground": "light over the picture",
-    "_paint_lines": "lines: exact areas of the pixels on their rims",
-    "_paint_standing": "goal, and what lies on the carpet",
-    "develop": "exposure, blur, tone curve, noise",
-    "_visible": "landmarks",
-}
-
-
-def shares(size: tuple[int, int]) -> dict[str, float]:
-    """Return the share of the time that each stage takes, in percent."""
-    taken = places(size)
-    profile = cProfile.Profile()
-    profile.enable()
-    for each in taken:
-        ours(each)
-    profile.disable()
-    total, found = 0.0, dict.fromkeys(STAGES, 0.0)
-    for (file, _, name), (_, _, own, cumulative, _) in pstats.Stats(profile).stats.items():  # type: ignore[attr-defined]
-        total += own
-        if name in STAGES and file.endswith(("sim/render.py", "sim/shapes.py", "sim/light.py")):
-            found[name] += cumulative
-    parts = {text: 100 * found[name] / total for name, text in STAGES.items()}
-    return {**parts, "the rest": 100 - sum(parts.values())}
-
-
 def peak_mb(size: tuple[int, int]) -> float:
     """Return the most memory that a picture needs while it is rendered, besides the caches, in 10^6 bytes."""
     taken = places(size)[0]
@@ -161,7 +127,7 @@ def peak_mb(size: tuple[int, int]) -> float:
 
 
 def main() -> Result:
-    """Measure both ways at three sizes, the stages of ours, and its memory."""
+    """Measure both ways at three sizes, and the memory of ours."""
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
@@ -171,40 +137,19 @@ def main() -> Result:
 
 
 def _measured() -> Result:
-    values: dict[str, Any] = {}
-    rows: list[tuple[object, ...]] = []
+    values: dict[str, dict[str, float]] = {}
     for size in SIZES:
         mine, usual = (times_ms(take, size) for take in (ours, warped))
-        width = size[0]
-        values[f"{width}x{size[1]}"] = {
+        values[f"{size[0]}x{size[1]}"] = {
             "median ms": float(np.median(mine)),
             "10 % ms": float(np.percentile(mine, 10)),
             "90 % ms": float(np.percentile(mine, 90)),
             "ground texture, 4x supersampled, median ms": float(np.median(usual)),
             "peak MB": peak_mb(size),
-            "shares %": shares(size),
         }
-        kept = values[f"{width}x{size[1]}"]
-        spread = f"{kept['10 % ms']:.0f} .. {kept['90 % ms']:.0f}"
-        rows.append(
-            (
-                f"{width} x {size[1]}",
-                kept["median ms"],
-                spread,
-                WANTED_MS[width],
-                float(np.median(usual)),
-                kept["peak MB"],
-            )
-        )
-    columns = ("picture", "ms", "10-90 %", "wanted, ms", "ground texture 4x, ms", "peak MB")
-    speed = Table(f"One picture, one core, preset lab: median of {PICTURES} places", columns, tuple(rows))
-    stages = tuple(
-        (stage, *(values[f"{w}x{h}"]["shares %"][stage] for w, h in SIZES))
-        for stage in (*STAGES.values(), "the rest")
-    )
-    shown = Table("Where the time goes, % (profiled)", ("", *(str(width) for width, _ in SIZES)), stages)
     notes = (
         "The ground texture is drawn without room, posts, lens distortion or truth; the sensor model is the same.",
         "Peak memory is beyond what is kept: a carpet 4 to 6 MB, a room some 10 MB, rays 24 bytes a pixel.",
     )
-    return Result("rendering", values, (speed, shown), notes)
+    title = f"One picture, one core, preset lab: median of {PICTURES} places"
+    return Result("rendering", values, (Table.of(title, values),), notes)

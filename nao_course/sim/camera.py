@@ -380,6 +380,6 @@ class NaoModel:
 
 
 # The values are from the maker's documentation of NAO V4 (MT9M114) and V6 (OV5640), except for the lens distortion. It
-# was fitted to real pictures of a V4 (benchmarks/simulator/reality), and is assumed to be the same for V6.
+# was fitted to real pictures of a V4 (benchmarks/simulator/reality.py), and is assumed to be the same for V6.
 NAO_V4 = NaoModel("NAO V4", hfov=float(np.radians(60.97)), vfov=float(np.radians(47.64)), k1=-0.08)
 NAO_V6 = NaoModel("NAO V6", hfov=float(np.radians(56.3)), vfov=float(np.radians(43.7)), k1=-0.08)

@@ -45,7 +45,7 @@ def _seed(value: Any) -> int:
 class Reality:
     """The strengths of the effects that make rendered pictures look real; a strength of 0 turns an effect off.
 
-    The defaults are the preset `lab`, which was fitted to the real pictures of 2013 (benchmarks/simulator/realism).
+    The defaults are the preset `lab`, which was fitted to the real pictures of 2013 (benchmarks/simulator/realism.py).
 
     Parameters
     ----------

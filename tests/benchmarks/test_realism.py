@@ -11,8 +11,8 @@ from scipy import ndimage
 
 from benchmarks.pictures import paper_detector as paper
 from benchmarks.simulator import realism
-from benchmarks.simulator.realism import Geometry, Picture, measure
-from nao_course.datasets import data_folder
+from benchmarks.simulator.real_scenes import Geometry, Picture, line_profiles, real_scenes
+from benchmarks.simulator.realism import measure
 from nao_course.geometry import Pose
 from nao_course.sim import NAO_V4, CameraView, Field, Reality, render
 
@@ -20,15 +20,6 @@ FIELD = Field(2012, half=False)
 VIEW = replace(NAO_V4.view("bottom", 0.0, -0.45), roll=0.0, k1=-0.08)
 AT_CENTRE_LINE = Pose(0.0, 0.9, np.pi / 2)  # the halfway line runs ahead: a near, wide line
 CARPET = (84, 144, 86)
-
-
-@pytest.fixture
-def data_dir() -> None:
-    """Skip without the recorded real data."""
-    try:
-        data_folder()
-    except FileNotFoundError as error:
-        pytest.skip(str(error))
 
 
 def painted(
@@ -72,19 +63,13 @@ def as_picture(values: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("sd", [1.5, 3.3, 8.0])
-def test_white_noise_is_read_as_what_it_is_at_every_scale(sd: float) -> None:
-    pixels, geometry = plain()
-    noisy = as_picture(pixels + np.random.default_rng(1).normal(0, sd, pixels.shape))
-    found = measure(noisy, geometry)
-    for channel in ("red", "green", "blue"):
-        assert found[f"noise sd {channel}"] == pytest.approx(np.hypot(sd, 0.29), rel=0.05)
-    grey = as_picture(
-        np.repeat(pixels[..., :1] + np.random.default_rng(2).normal(0, sd, pixels.shape[:2])[..., None], 3, 2)
+def test_white_noise_is_read_as_what_it_is(sd: float) -> None:
+    pixels, _ = plain()
+    noise = np.random.default_rng(2).normal(0, sd, pixels.shape[:2])[..., None]
+    light = Picture(as_picture(np.repeat(pixels[..., :1] + noise, 3, 2))).lightness
+    assert realism.noise_sd(light, np.ones(light.shape, dtype=bool)) == pytest.approx(
+        np.hypot(sd, 0.29), rel=0.08
     )
-    light = Picture(grey).lightness
-    mask = np.ones(light.shape, dtype=bool)
-    for block in (1, 2, 4, 8):
-        assert realism.noise_sd(light, mask, block) == pytest.approx(np.hypot(sd, 0.29) / block, rel=0.08)
 
 
 def test_noise_sees_neither_a_slope_nor_what_is_outside_the_mask() -> None:
@@ -94,21 +79,6 @@ def test_noise_sees_neither_a_slope_nor_what_is_outside_the_mask() -> None:
     mask = u < 160
     slope[:, 170:] += rng.normal(0, 40.0, (240, 150))
     assert realism.noise_sd(slope, mask) == pytest.approx(2.0, rel=0.05)
-
-
-def test_correlated_noise_shows_its_correlation_and_independent_channels_none() -> None:
-    pixels, geometry = plain()
-    rng = np.random.default_rng(4)
-    grain = rng.normal(0, 6.0, (240, 320))
-    # Correlation .5 with the next column, 0 with the next row
-    along = (grain + np.roll(grain, 1, axis=1)) / np.sqrt(2)
-    found = measure(as_picture(pixels + along[..., None]), geometry)
-    assert found["correlation next column"] == pytest.approx(0.5, abs=0.05)
-    assert found["correlation next row"] == pytest.approx(0.0, abs=0.05)
-    assert found["correlation red-blue"] > 0.95
-    found = measure(as_picture(pixels + rng.normal(0, 6.0, pixels.shape)), geometry)
-    assert found["correlation red-green"] == pytest.approx(0.0, abs=0.05)
-    assert found["correlation next column"] == pytest.approx(0.0, abs=0.05)
 
 
 # --- edges and widths ---
@@ -124,8 +94,6 @@ def test_a_gaussian_edge_rises_as_the_formula_says(sigma: float, width: int) -> 
     expected = 2.563 * np.sqrt(sigma**2 + 1 / 12)
     found = realism.line_edges(Picture(pixels), geometry)
     assert found["rise px"] == pytest.approx(expected, rel=0.06)
-    assert found["overshoot on the line"] < 0.02
-    assert found["undershoot on the carpet"] < 0.02
 
 
 def test_noise_does_not_widen_a_measured_edge() -> None:
@@ -135,46 +103,17 @@ def test_noise_does_not_widen_a_measured_edge() -> None:
     assert found == pytest.approx(clean, rel=0.05)
 
 
-def test_a_sharpening_halo_is_seen() -> None:
-    pixels, geometry = painted(AT_CENTRE_LINE, 0.7, line=220.0)
-    soft = ndimage.gaussian_filter(pixels.astype(float), (1.2, 1.2, 0))
-    found = realism.line_edges(Picture(as_picture(pixels + 0.6 * (pixels - soft))), geometry)
-    assert found["overshoot on the line"] > 0.02
-    assert found["undershoot on the carpet"] > 0.02
-
-
-@pytest.mark.parametrize("centimetres", [4.0, 5.0])
-def test_the_width_of_near_lines_is_read_in_centimetres(centimetres: float) -> None:
-    pixels, geometry = painted(AT_CENTRE_LINE, 0.6, width=centimetres / 100)
-    found = realism.line_edges(Picture(pixels), geometry)["line width cm"]
-    assert np.median(found) == pytest.approx(centimetres, rel=0.04)
-
-
 def test_a_far_lines_width_is_that_of_the_blur_and_its_peak_what_it_covers() -> None:
     sigma = 1.0
     pixels, geometry = painted(Pose(-1.0, 0.6, 0.0), sigma)
     found = realism.lines_by_distance(Picture(pixels), geometry)
-    name = "3-4 m"
-    true = np.median(found[f"true width px, {name}"])
+    lines = geometry.lines.chosen(geometry.lines.clear & geometry.lines.across)
+    true = 2 * np.median(lines.half_width[(lines.distance >= 3) & (lines.distance < 4)])
     assert true < 1.2
     expected = 2.355 * np.sqrt(sigma**2 + 1 / 12 + true**2 / 12)
-    assert np.median(found[f"width px, {name}"]) == pytest.approx(expected, rel=0.06)
-    each = (235 - 114) * found[f"true width px, {name}"] / (expected / 2.355 * np.sqrt(2 * np.pi))
-    assert np.median(found[f"contrast, {name}"] / each) == pytest.approx(1.0, rel=0.08)
-
-
-def test_red_that_is_magnified_lies_outwards() -> None:
-    pixels, geometry = painted(Pose(-1.3, 0.0, 0.0), 0.7)
-    scale = 1.003
-    middle = geometry.view.centre
-    matrix = np.array([[scale, 0, (1 - scale) * middle[0]], [0, scale, (1 - scale) * middle[1]]])
-    shifted = pixels.copy()
-    shifted[..., 0] = cv2.warpAffine(
-        pixels[..., 0], matrix, (320, 240), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
-    )
-    found = realism.fringes(Picture(shifted), geometry)
-    assert np.median(found["red edge outwards, px"]) == pytest.approx(0.003 * 160, rel=0.25)
-    assert np.median(found["blue edge outwards, px"]) == pytest.approx(0.0, abs=0.05)
+    assert np.median(found["width px, 3-4 m"]) == pytest.approx(expected, rel=0.06)
+    peak = 114 + (235 - 114) * true / (expected / 2.355 * np.sqrt(2 * np.pi))
+    assert np.median(found["peak, 3-4 m"]) == pytest.approx(peak, rel=0.04)
 
 
 # --- colour and light ---
@@ -183,20 +122,17 @@ def test_red_that_is_magnified_lies_outwards() -> None:
 def test_the_carpets_colour_is_read_back() -> None:
     pixels, geometry = plain((60, 150, 90))
     found = measure(as_picture(pixels), geometry)
-    hue, lightness, saturation = cv2.cvtColor(np.uint8([[[60, 150, 90]]]), cv2.COLOR_RGB2HLS)[0, 0]
+    hue, lightness, _ = cv2.cvtColor(np.uint8([[[60, 150, 90]]]), cv2.COLOR_RGB2HLS)[0, 0]
     assert [found[f"hue {q} %"].item() for q in (1, 50, 99)] == [hue] * 3
     assert found["lightness 50 %"] == lightness
-    assert found["saturation mean"] == pytest.approx(saturation)
     assert found["picture's mean lightness"] == pytest.approx(lightness)
-    assert [found[c].item() for c in ("red", "green", "blue")] == [60, 150, 90]
 
 
 def test_dark_sides_are_read_as_a_fraction_of_the_centre() -> None:
     pixels, geometry = plain()
     across = np.abs(np.linspace(-1, 1, 320))
     found = measure(as_picture(pixels * (1 - 0.2 * (across > 0.5))[None, :, None]), geometry)
-    for name in ("left / centre", "right / centre", "sides / centre"):
-        assert found[name] == pytest.approx(0.8, abs=0.02)
+    assert found["sides / centre"] == pytest.approx(0.8, abs=0.02)
 
 
 def test_objects_on_the_carpet_are_left_out() -> None:
@@ -204,7 +140,6 @@ def test_objects_on_the_carpet_are_left_out() -> None:
     pixels[150:200, 100:160] = (200, 30, 40)
     found = measure(as_picture(pixels), geometry)
     assert found["lightness 95 %"] == found["lightness 5 %"]
-    assert found["foreign on carpet %"] > 3
 
 
 # --- geometry ---
@@ -215,7 +150,7 @@ def test_lines_lie_where_the_renderer_paints_them() -> None:
     pixels, _ = render(FIELD, pose, VIEW, Reality.clean())
     geometry = Geometry(VIEW, pose, FIELD)
     lines = geometry.lines.chosen(geometry.lines.clear & (geometry.lines.half_width > 1.5))
-    profiles = realism.line_profiles(Picture(pixels), lines, 1.0, search=2.5)
+    profiles = line_profiles(Picture(pixels), lines, 1.0, search=2.5)
     assert profiles.good.mean() > 0.9
     assert np.abs(profiles.centre[profiles.good]).max() < 0.2
 
@@ -229,19 +164,11 @@ def test_the_ground_under_a_pixel_projects_back_to_it() -> None:
 # --- the paper's detector ---
 
 
-def test_a_perfect_corner_is_found_and_matched_one_to_one() -> None:
-    labels = np.full((240, 320), paper.GREEN, np.uint8)
-    labels[100:105, 60:250] = paper.WHITE
-    labels[100:220, 60:65] = paper.WHITE
-    found = paper.find_corners(labels)
-    assert len(found) >= 1
-    assert paper.match(found, np.array([[62.0, 102.0]])) == 1
-    assert paper.match(np.array([[62.0, 102.0], [63.0, 102.0]]), np.array([[62.0, 102.0]])) == 1
-
-
-def test_the_cost_is_the_papers_table() -> None:
-    grid = paper.Grid(np.full((27, 1), 3), np.full((27, 1), 2), np.array([4]))
-    assert grid.mean_costs == pytest.approx(np.full(27, -1.333 * 2 + 5 * 1 + 1 * 2))
+def test_a_perfect_corner_is_found() -> None:
+    pixels = np.full((240, 320, 3), (60, 150, 90), np.uint8)
+    pixels[100:105, 60:250] = pixels[100:220, 60:65] = 255
+    (corner,) = paper.find_corners(pixels)
+    assert np.hypot(*(corner - (62.0, 102.0))) < 8
 
 
 def test_erasing_stops_at_the_first_seven_green_in_a_column() -> None:
@@ -254,35 +181,20 @@ def test_erasing_stops_at_the_first_seven_green_in_a_column() -> None:
     assert (kept[5:, 1] == labels[5:, 1]).all()
 
 
-def test_the_seeds_table_has_its_best_where_the_paper_says() -> None:
-    assert paper.SETTINGS[int(np.argmin(paper.PAPER_COSTS))] == paper.BEST
-
-
 # --- real numbers ---
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("data_dir")
-def test_real_pictures_are_aligned_with_their_lines_and_give_the_known_numbers() -> None:
-    scenes = realism.real_scenes()
+def test_real_pictures_are_aligned_with_their_lines_and_give_the_known_numbers(data_dir, monkeypatch) -> None:
+    monkeypatch.setenv("NAO_COURSE_DATA", str(data_dir))
+    scenes = real_scenes()
     assert len(scenes) == 94
-    measured = [measure(s.picture.pixels, s.geometry()) for s in scenes[:: realism.QUICK]]
-    found = realism.summarise(measured)
-    assert found["hue 50 %"].middle == pytest.approx(61, abs=2)
-    assert found["picture's mean lightness"].middle == pytest.approx(117, abs=4)
-    assert found["rise px"].middle == pytest.approx(1.3, abs=0.15)
-    assert found["peak, 1-1.5 m"].middle == 255
-    assert found["above threshold %, 2-3 m"].middle > 97
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("data_dir")
-def test_the_papers_detector_gets_little_from_real_scenes() -> None:
-    scenes = [paper.Scene(s.picture.pixels, s.corners) for s in realism.real_scenes()[:64]]
-    assert sum(len(scene.corners) for scene in scenes) == 128
-    best = paper.run_grid(scenes, paper.Hues(min_saturation=0.0)).at()
-    assert best["hits"] < 30
-    assert 1.5 < best["cost"] < 2.6
+    found = realism.summarise(measure(s.picture.pixels, s.geometry()) for s in scenes[::7])
+    assert found["hue 50 %"] == pytest.approx(61, abs=2)
+    assert found["picture's mean lightness"] == pytest.approx(117, abs=4)
+    assert found["rise px"] == pytest.approx(1.3, abs=0.15)
+    assert found["peak, 1-1.5 m"] == 255
+    assert found["above threshold %, 2-3 m"] > 97
 
 
 def test_a_view_of_another_size_measures_in_its_own_pixels() -> None:

@@ -23,7 +23,7 @@ def test_a_slider_is_dragged_and_labels_and_numbers_follow(lab, page):
     panel = FilterPage(lab, page, "drag.ipynb")
     screenshot(page, "filter_panel")
     picture, numbers = panel.source(), panel.numbers()
-    assert len(panel.updates()) > 2  # while it was dragged; `benchmarks panel` says how many a second
+    assert len(panel.updates()) > 2  # while it was dragged
     assert panel.source() != picture
     assert panel.numbers() != numbers
     assert panel.value("light") > 1.1

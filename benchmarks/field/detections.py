@@ -1,54 +1,49 @@
-"""What the lessons' detectors and the library's line reader see on a drive.
-
-The pictures are rendered once and kept in build/; what is seen in them too, until a detector changes.
-"""
+"""What the lessons' detectors and the library's line reader see on a drive; pictures and detections stay in build/."""
 
 from __future__ import annotations
 
 import pickle
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import cv2
-from rich.progress import track
+import numpy as np
 
-from benchmarks import BUILD, ROOT
-from benchmarks.pictures.pipeline import CORNERS, quick_labels
-from benchmarks.pictures.posts import OWN
+from benchmarks import BUILD, ROOT, in_processes, solution
+from nao_course.colours import GREEN, YELLOW
 from nao_course.field_slam import lines
 from nao_course.field_slam.drives import Shot, drive_over_field
-from nao_course.field_slam.lines import read_lines
+from nao_course.field_slam.lines import Pixels, read_lines
 from nao_course.geometry import FloatArray, Pose
 from nao_course.sim import CameraView, Field, Picture
 from nao_course.slam import Motion
 
-FOLDER = BUILD / "field_slam"
+FOLDER = BUILD / "drives"
 LANDMARKS = Field(2012).landmarks
 SOURCES = ("01_hsl_filtering", "02_goalposts", "03_hough_corners")  # of the detectors, beside the lines'
+FLOOR = 0.16  # of the saturation
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What was found in a picture, and what is true of it.
+    """Detections and truth of a picture.
 
     Parameters
     ----------
     motion : Motion or None
         The command before it.
     pose : Pose
-        The true one, in the field's frame.
+        True pose in the field's frame.
     view, true_view : CameraView
         What the robot believes, and how its camera looked.
     posts, corners : ndarray, shape (N, 2)
         By lessons 02 and 03, px.
     lines : ndarray, shape (N, 4)
         By the library, px without the lens.
-    marks : tuple of (int, (float, float))
-        Numbers of the field's landmarks in the picture, and their true pixels.
     """
 
     motion: Motion | None
@@ -58,18 +53,26 @@ class Seen:
     posts: FloatArray
     corners: FloatArray
     lines: FloatArray
-    marks: tuple[tuple[int, tuple[float, float]], ...]
+
+
+def quick_labels(picture: Pixels) -> Pixels:
+    """Return lesson 01's labels by OpenCV's colours: hue in half degrees, saturation and lightness as integers."""
+    hls = cv2.cvtColor(picture, cv2.COLOR_RGB2HLS)
+    lightness = cv2.extractChannel(hls, 1)
+    labels = np.zeros(lightness.shape, dtype=np.uint8)
+    for number, (low, high) in ((1, GREEN), (2, YELLOW)):
+        limits = np.ceil((low / 2, 0, 255 * FLOOR)), np.floor((high / 2, 255, 255))
+        labels[cv2.inRange(hls, *limits).view(np.bool_)] = number
+    labels[lightness > solution("01")["white_threshold"](cv2.mean(lightness)[0])] = 3
+    return labels
 
 
 def see(shot: Shot) -> Seen:
     """Run the detectors on a picture."""
     pixels, view = shot.picture.pixels, shot.picture.view
     labels = quick_labels(pixels)
-    marks = tuple((LANDMARKS.index(mark.landmark), mark.pixel) for mark in shot.truth.landmarks)
-    posts, corners = OWN["find_goalposts"](labels), CORNERS["find_corners"](labels)
-    return Seen(
-        shot.motion, shot.pose, view, shot.truth.view, posts, corners, read_lines(pixels, view), marks
-    )
+    posts, corners = solution("02")["find_goalposts"](labels), solution("03")["find_corners"](labels)
+    return Seen(shot.motion, shot.pose, view, shot.truth.view, posts, corners, read_lines(pixels, view))
 
 
 def shots(seed: int, factor: float = 1.0) -> list[Shot]:
@@ -82,29 +85,21 @@ def shots(seed: int, factor: float = 1.0) -> list[Shot]:
 
 def detections(seed: int, factor: float = 1.0) -> list[Seen]:
     """Return what is seen on a drive: from its file in build/ if that is there, and no detector is younger."""
-    path = FOLDER / _detectors() / f"{factor:g}_{seed}.pickle"
+    own = Path(lines.__file__), *(ROOT / "solutions" / f"{each}.md" for each in SOURCES)
+    detectors = sha256(b"".join(path.read_bytes() for path in own)).hexdigest()[:12]
+    path = FOLDER / detectors / f"{factor:g}_{seed}.pickle"
     if not path.is_file():
         _write(path, [see(shot) for shot in shots(seed, factor)])
     return _read(path)
 
 
-def prepare(seeds: Sequence[int], factor: float = 1.0, jobs: int = 2) -> None:
-    """Render what is missing of some drives, and look at it, with progress."""
-    with ProcessPoolExecutor(jobs) as pool:
-        waiting = pool.map(_prepare, seeds, [factor] * len(seeds))
-        for _ in track(waiting, f"drives, odometry {factor:g}", len(seeds)):
-            pass
+def prepare(seeds: Sequence[int], factor: float = 1.0) -> None:
+    """Render what is missing of some drives, and look at it."""
+    in_processes(partial(_prepare, factor), seeds, f"drives, odometry {factor:g}")
 
 
-def _prepare(seed: int, factor: float) -> None:
-    cv2.setNumThreads(1)
+def _prepare(factor: float, seed: int) -> None:
     detections(seed, factor)
-
-
-def _detectors() -> str:
-    """Return a name that changes with the code of the detectors."""
-    own = Path(lines.__file__), *(ROOT / "solutions" / f"{each}.md" for each in SOURCES)
-    return sha256(b"".join(path.read_bytes() for path in own)).hexdigest()[:12]
 
 
 def _packed(shot: Shot) -> Any:
@@ -116,8 +111,7 @@ def _packed(shot: Shot) -> Any:
 
 def _unpacked(packed: Any) -> Shot:
     motion, png, view, camera, pose, truth = packed
-    pixels = cv2.imdecode(png, cv2.IMREAD_UNCHANGED)
-    return Shot(motion, Picture(pixels, view, camera), pose, truth)
+    return Shot(motion, Picture(cv2.imdecode(png, cv2.IMREAD_UNCHANGED), view, camera), pose, truth)
 
 
 def _write(path: Path, drive: list[Any]) -> None:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT
-from benchmarks.field.field_slam.detections import LANDMARKS, Seen
-from nao_course.exercises import load_definitions
+from benchmarks import solution
+from benchmarks.field.detections import LANDMARKS, Seen
+from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import LEAST_LENGTH, LEAST_SUPPORT, BodyTilt, tilt_from_lines
-from nao_course.field_slam.joint_update import scene
+from nao_course.field_slam.hypotheses import MultipleHypotheses
+from nao_course.field_slam.joint_update import JointUpdate, scene
 from nao_course.field_slam.lines import corners_of_lines
 from nao_course.field_slam.observation import (
     POST_SIGMA,
@@ -21,12 +23,13 @@ from nao_course.field_slam.observation import (
     radius_of,
     tilted,
 )
+from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.geometry import FloatArray, Pose, pose_errors
 from nao_course.metrics import squared_distances
 from nao_course.sim import CameraView
 from nao_course.slam import Measurement, SlamAlgorithm
 
-GROUND = load_definitions(ROOT / "solutions" / "04_distance.ipynb")
+GATE = 4.0  # standard deviations
 FARTHEST = 6.0  # m: largest range of a measurement that is used
 # Standard deviations of corners from lines, and of corners by lesson 03, px at 320.
 CORNER_SIGMA = {"lines": 0.5, "lesson 03": 3.0}
@@ -35,6 +38,8 @@ PLACES = np.array([(mark.x, mark.y) for mark in LANDMARKS])
 WRONG = 0.3  # m: an estimated landmark that is farther from every true landmark counts as wrong
 INCONSISTENT = 16.3  # NEES that a consistent pose exceeds once in a thousand times
 SMALL = 1e-10  # m^2 and rad^2: added to the covariance, which is zero at the start
+LOST = 0.15  # m: a drive that ends farther off counts as lost
+Make = Callable[[Pose], SlamAlgorithm]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +71,6 @@ class Options:
         Whether distances and bearings are computed as in the paper.
     constant, shared : bool
         Whether R is the same for all measurements; whether R contains the correlation by the common tilt.
-    tilt : bool
-        Whether R contains the uncertainty of the tilt.
     lines, compass : bool
         Whether the tilt is estimated from lines; whether the heading is.
     false_corners : float
@@ -83,7 +86,6 @@ class Options:
     corners: str = "lines"
     paper: bool = False
     constant: bool = False
-    tilt: bool = True
     shared: bool = True
     lines: bool = False
     compass: bool = False
@@ -100,22 +102,16 @@ class Options:
         false = rng.uniform((10, 90), (310, 230), (rng.poisson(self.false_corners), 2))
         measured = self._measure(seen.posts, np.vstack([corners.reshape(-1, 2), false]), view)
         corner_sigma = CORNER_SIGMA[self.corners] if self.corner_sigma is None else self.corner_sigma
-        found = observation(measured, self._tilt_covariance(read), corner_sigma, post_sigma=self.post_sigma)
+        tilt = read.tilt.covariance[:2, :2] if self.lines else np.diag(np.square(TILT_SIGMAS))
+        found = observation(measured, tilt, corner_sigma, post_sigma=self.post_sigma)
         n = len(measured)
         if self.constant:
             found = replace(found, covariance=np.diag(np.tile(np.square(CONSTANT), n)), tilt=np.zeros((2, 2)))
         elif not self.shared:
             found = replace(found, covariance=found.covariance * np.kron(np.eye(n), np.ones((2, 2))))
         if self.compass:
-            tilt = read.tilt
-            found = replace(found, direction=tilt.direction, direction_sigma=tilt.direction_sigma)
+            found = replace(found, direction=read.tilt.direction, direction_sigma=read.tilt.direction_sigma)
         return scene(found, read.tilt, seen.lines, read.level) if self.whole else found
-
-    def _tilt_covariance(self, read: Read) -> FloatArray:
-        """Return the covariance (2, 2) of the tilt in R."""
-        if not self.tilt:
-            return np.zeros((2, 2))
-        return read.tilt.covariance[:2, :2] if self.lines else np.diag(np.square(TILT_SIGMAS))
 
     def _measure(self, posts: FloatArray, corners: FloatArray, view: CameraView) -> list[Measurement]:
         """Return the bearing and range of posts and corners by lesson 04 or by the paper."""
@@ -127,11 +123,55 @@ class Options:
         return found
 
     def _polar(self, pixels: FloatArray, view: CameraView) -> FloatArray:
+        own = solution("04")
         if self.paper:  # the paper ignores the yaw of the head
-            bearing = GROUND["paper_bearing"](pixels, view) + view.yaw
-            return np.column_stack([bearing, GROUND["paper_distance"](pixels, view)])
-        polar = GROUND["ground_to_measurement"](GROUND["pixel_to_ground"](pixels, view))
-        return np.asarray(polar)
+            return np.column_stack(
+                [own["paper_bearing"](pixels, view) + view.yaw, own["paper_distance"](pixels, view)]
+            )
+        return np.asarray(own["ground_to_measurement"](own["pixel_to_ground"](pixels, view)))
+
+
+BEST = Options(lines=True, compass=True)
+
+
+# --- algorithms ---
+
+
+def jointly(kind: str | Callable[..., Any] = "EkfSlam") -> Make:
+    """Return a factory of an algorithm of lesson 11, or of a variant of it, with joint compatibility."""
+
+    def make(start: Pose) -> SlamAlgorithm:
+        return (solution("11")[kind] if isinstance(kind, str) else kind)(  # type: ignore[no-any-return]
+            start, gate=GATE, association=associate_jointly
+        )
+
+    return make
+
+
+def by_nearest_neighbour(start: Pose) -> SlamAlgorithm:
+    """Return the lesson's filter with the lesson's own association."""
+    return solution("11")["EkfSlam"](start, gate=GATE)  # type: ignore[no-any-return]
+
+
+FILTER, GRAPH = jointly(), jointly("GraphSlam")
+
+
+def surest_first(make: Make) -> Make:
+    """Return a factory of an algorithm that gets a stop's pictures in order of their compass."""
+    return lambda start: SurestFirst(make(start))
+
+
+def joint_update(start: Pose) -> JointUpdate:
+    """Return the filter that also uses lines and the centre circle, and estimates the noise of the odometry."""
+    return JointUpdate(FILTER(start))  # type: ignore[arg-type]
+
+
+def with_hypotheses(start: Pose) -> SlamAlgorithm:
+    """Return the joint update with several hypotheses about the association."""
+    return MultipleHypotheses(joint_update(start))
+
+
+# --- drives ---
 
 
 @dataclass(frozen=True)
@@ -161,13 +201,7 @@ class Score:
     misled: int
 
 
-def run(
-    reads: Sequence[Read],
-    make: Callable[[Pose], SlamAlgorithm],
-    options: Options | None,
-    seed: int,
-    pictures: int = 3,
-) -> Score:
+def run(reads: Sequence[Read], make: Make, options: Options | None, seed: int, pictures: int = 3) -> Score:
     """Run an algorithm over a drive; without `options`, it gets no measurements."""
     algorithm, rng, misled = make(reads[0].seen.pose), np.random.default_rng([seed, 21]), -1
     for number, read in enumerate(reads):
@@ -184,13 +218,43 @@ def run(
             elif misled < 0:
                 misled = number // 3
     off = np.linalg.norm(found.landmarks[:, None] - PLACES, axis=2).min(axis=1)
-    typical = float(np.median(off)) if len(off) else float("nan")
     return Score(
         float(np.hypot(*away[:2])),
         float(np.degrees(abs(away[2]))),
-        typical,
+        float(np.median(off)) if len(off) else float("nan"),
         float(nees),
         len(off),
         int((off > WRONG).sum()),
         misled,
     )
+
+
+def summary(scores: Sequence[Score]) -> dict[str, float]:
+    """Return medians and tails over drives."""
+    each = {name: np.array([asdict(score)[name] for score in scores]) for name in asdict(scores[0])}
+    position = each["position"]
+    return {
+        "drives": len(scores),
+        "position": float(np.median(position)),
+        "position 95 %": float(np.quantile(position, 0.95)),
+        "position worst": float(position.max()),
+        "heading": float(np.median(each["heading"])),
+        "landmarks": float(np.median(each["landmarks"])) if np.isfinite(each["landmarks"]).all() else 0.0,
+        "NEES mean": float(each["nees"].mean()),
+        "NEES median": float(np.median(each["nees"])),
+        "on the map": float(each["on_map"].mean()),
+        "wrong": float(each["wrong"].mean()),
+        "lost": float((position > LOST).mean()),
+    }
+
+
+ENDS = (
+    "drives",
+    "position",
+    "position 95 %",
+    "position worst",
+    "heading",
+    "NEES mean",
+    "NEES median",
+    "lost",
+)
