@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
-from nao_course.instructor.authoring.plans import load_solution
+from benchmarks import Result, Table, solution, write_json
 from nao_course.lessons.beyond.recorded import CAMERAS
 from nao_course.lessons.beyond.two_cameras import (
     DISTANCES,
@@ -71,29 +69,24 @@ def by_pitch(intersect_rays: Function, pixel_to_ground: Function) -> list[dict[s
 
 def main() -> Result:
     """Measure, and write what the lesson shows."""
-    intersect_rays = load_solution(ROOT / "solutions" / "12_beyond.ipynb")["intersect_rays"]
-    pixel_to_ground = load_solution(ROOT / "solutions" / "04_distance.ipynb")["pixel_to_ground"]
+    intersect_rays = solution("12")["intersect_rays"]
+    pixel_to_ground = solution("04")["pixel_to_ground"]
     rows, heads = by_distance(intersect_rays, pixel_to_ground), by_pitch(intersect_rays, pixel_to_ground)
     recorded = {"count": COUNT, "tilt": round(float(np.degrees(TILT[0])), 2), "rows": rows, "heads": heads}
-    CAMERAS.write_text(json.dumps(recorded) + "\n", encoding="utf-8")
-    keys = ("one", "both", "one_formula", "both_formula")
-    shown = tuple(
-        (int(row["width"]), f"{row['distance']:g}", *(f"{row[key]:.3f}" for key in keys)) for row in rows
+    write_json(CAMERAS, recorded)
+    title = (
+        f"{COUNT} measurements each (seed {SEED}), tilt 1.3 degrees in pitch, 0.8 in roll, 0.5 px: sigma, m"
     )
-    table = Table(
-        f"{COUNT} measurements each (seed {SEED}), tilt 1.3 degrees in pitch, 0.8 in roll, 0.5 px: sigma, m",
-        ("px across", "distance m", "one camera", "both", "one by formula", "both by formula"),
-        shown,
-    )
+    shown = {f"{row['width']} px, {row['distance']:g} m": row for row in rows}
     where = Table(
         "pitch of the head, degrees, at which both cameras see the point in at least half of the measurements",
         ("distance m", "centre", "from", "to"),
         tuple(
-            (f"{each['distance']:g}", f"{np.degrees(pitch_for(each['distance'])):.1f}", *_half(each))
-            for each in heads
+            (head["distance"], float(np.degrees(pitch_for(head["distance"]))), *_half(head)) for head in heads
         ),
     )
-    return Result("beyond_cameras", recorded, (table, where))
+    columns = ("one", "both", "one_formula", "both_formula")
+    return Result("beyond_cameras", recorded, (Table.of(title, shown, *columns, shown=".3f"), where))
 
 
 def _half(head: dict[str, Any]) -> tuple[str, str]:

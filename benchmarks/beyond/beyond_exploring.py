@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
-from nao_course.instructor.authoring.plans import load_solution
+from benchmarks import Result, Table, solution, write_json
 from nao_course.lessons.beyond.exploring import Choose, anywhere_known, explore, lawn_mower, nearest_frontier
 from nao_course.lessons.beyond.recorded import EXPLORING
 
@@ -20,7 +18,7 @@ ENOUGH = 0.9  # of the visible area
 
 def main() -> Result:
     """Explore all rooms with three strategies, and write the results."""
-    own = load_solution(ROOT / "solutions" / "12_beyond.ipynb")
+    own = solution("12")
     found: dict[str, dict[str, Any]] = {}
     for name in NAMES:
         parts = np.array(
@@ -35,7 +33,7 @@ def main() -> Result:
         quartiles = np.quantile(parts, (0.25, 0.5, 0.75), axis=0)
         found[name] = {"quartiles": quartiles.round(4).tolist(), "enough": _moves_until(parts)}
     recorded = {"rooms": len(ROOMS), "moves": MOVES, "enough": ENOUGH, "variants": found}
-    EXPLORING.write_text(json.dumps(recorded) + "\n", encoding="utf-8")
+    write_json(EXPLORING, recorded)
     rows = tuple(
         (name, *(_said(of["quartiles"], move) for move in AT), _median_moves(of["enough"]))
         for name, of in found.items()

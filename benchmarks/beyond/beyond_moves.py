@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
-from nao_course.geometry import pose_errors
-from nao_course.instructor.authoring.plans import load_solution
+from benchmarks import Result, Table, solution, write_json
+from nao_course.lessons.beyond.particles import Belief
 from nao_course.lessons.beyond.planning import Choose, Journey, at_random, in_a_circle, journey, straight_on
 from nao_course.lessons.beyond.recorded import MOVES
-from nao_course.metrics import band, squared_distances
+from nao_course.metrics import band
 
 SEEDS = range(30)
 NAMES = ("smallest variance", "in a circle", "along the edge", "at random")
@@ -22,8 +20,7 @@ DRAWS = 10_000  # of the bootstrap
 
 def main() -> Result:
     """Drive thirty times with each strategy, and write the results."""
-    ekf = load_solution(ROOT / "solutions" / "07_ekf_slam.ipynb")
-    choose_move = load_solution(ROOT / "solutions" / "12_beyond.ipynb")["choose_move"]
+    ekf, choose_move = solution("07"), solution("12")["choose_move"]
     functions = [ekf[name] for name in ("predict", "update_landmarks", "add_landmark")]
 
     def drives(name: str, back: bool) -> dict[str, Any]:
@@ -42,13 +39,17 @@ def main() -> Result:
         "variants": found,
         "back": blind,
     }
-    MOVES.write_text(json.dumps(recorded) + "\n", encoding="utf-8")
+    write_json(MOVES, recorded)
     moves = len(found["at random"]["sigmas"]) - 1
     tables = tuple(
-        Table(
-            f"{len(SEEDS)} drives (seeds 0 to {SEEDS[-1]}) of {moves} moves, {start}: medians at the end, mean NEES",
-            ("moves", "stated m", "error m", "map error m", "NEES"),
-            tuple(_table_row(name, of) for name, of in ways.items()),
+        Table.of(
+            f"{len(SEEDS)} drives (seeds 0 to {SEEDS[-1]}) of {moves} moves, {start}: medians at the end, m; mean NEES",
+            {
+                name: {key: float(np.median(of[key])) for key in ("sigma", "error", "map")}
+                | {"NEES": float(np.mean(of["nees"]))}
+                for name, of in ways.items()
+            },
+            shown=".3g",
         )
         for start, ways in (("looking at the goal", found), ("with the back to it", blind))
     )
@@ -88,12 +89,6 @@ def _summed_up(journeys: list[Journey]) -> dict[str, Any]:
     }
 
 
-def _table_row(name: str, of: dict[str, Any]) -> tuple[str, ...]:
-    medians = (f"{np.median(of[key]):.3f}" for key in ("sigma", "error", "map"))
-    return (name, *medians, f"{np.mean(of['nees']):.2f}")
-
-
 def _nees(each: Journey) -> float:
     last = each.estimates[-1]
-    error = pose_errors(last.pose.as_array(), each.truth[-1])
-    return float(squared_distances(error[None], last.covariance[None])[0])
+    return Belief(last.pose.as_array(), last.covariance).nees(each.truth[-1])

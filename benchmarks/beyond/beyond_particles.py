@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta, chi2
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import Result, Table, solution, write_json
 from nao_course.geometry import FloatArray, wrap_angle
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.beyond.figures import START, lap
 from nao_course.lessons.beyond.particles import Belief, FastSlam, run_fast_slam
 from nao_course.lessons.beyond.recorded import PARTICLES
 from nao_course.lessons.beyond.worlds import SENSOR
+from nao_course.lessons.localization.consistency import median_band
 from nao_course.metrics import band
 from nao_course.sim.drives import NamedEkf, Step
 from nao_course.slam import range_and_bearing
@@ -94,13 +92,6 @@ def measure(ekf: Mapping[str, Any], own: Mapping[str, Any]) -> list[dict[str, An
     return rows
 
 
-def median_band(runs: int, probability: float = 0.95) -> tuple[float, float]:
-    """Return the bounds for the median of the NEES of a pose in `runs` independent runs."""
-    middle = beta((runs + 1) / 2, (runs + 1) / 2)  # distribution of the median's quantile
-    low, high = chi2(3).ppf(middle.ppf([(1 - probability) / 2, (1 + probability) / 2]))
-    return float(low), float(high)
-
-
 def _timed(own: Mapping[str, Any], n: int, steps: Sequence[Step]) -> float:
     """Return the milliseconds of a move by the lesson's own functions."""
     slam = FastSlam(START, own["update_particle_landmark"], own["resample"], n, np.random.default_rng(0))
@@ -131,11 +122,10 @@ def _row(
 
 def main() -> Result:
     """Run all of them, and write the results."""
-    ekf = load_solution(ROOT / "solutions" / "07_ekf_slam.ipynb")
-    own = load_solution(ROOT / "solutions" / "12_beyond.ipynb")
-    low, high = median_band(len(DRIVES))
+    ekf, own = solution("07"), solution("12")
+    low, high = median_band(3, len(DRIVES)).tolist()
     recorded = {"drives": len(DRIVES), "band": [round(low, 2), round(high, 2)], "rows": measure(ekf, own)}
-    PARTICLES.write_text(json.dumps(recorded) + "\n", encoding="utf-8")
+    write_json(PARTICLES, recorded)
     shown = []
     for row in recorded["rows"]:  # type: ignore[attr-defined]
         for key, digits in (("error", 3), ("nees", 1), ("nees_mean", 1), ("ancestors", 0)):

@@ -127,24 +127,12 @@ def take_apart(picture: Pixels) -> Planes | None:
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Middles of pieces of lines.
+    """Middles of pieces of lines."""
 
-    Parameters
-    ----------
-    middles : ndarray, shape (N, SAMPLES, 2)
-        Points on the line's middle, px, to a fraction of one.
-    good : ndarray of bool, shape (N, SAMPLES)
-        Which of them are.
-    width : ndarray, shape (N,)
-        Of the line there, px.
-    edges : ndarray, shape (N, 2, 2)
-        Ends of the edges at which they were found, px.
-    """
-
-    middles: FloatArray
-    good: Mask
-    width: FloatArray
-    edges: FloatArray
+    middles: FloatArray  # (N, SAMPLES, 2): points on the line's middle, px, to a fraction of one
+    good: Mask  # (N, SAMPLES): which of them are
+    width: FloatArray  # (N,): of the line there, px
+    edges: FloatArray  # (N, 2, 2): ends of the edges at which they were found, px
 
     def where(self, wanted: npt.NDArray[Any]) -> Pieces:
         """Return the pieces that a mask or indices select."""

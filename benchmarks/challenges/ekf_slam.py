@@ -7,26 +7,18 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import block_diag
 
-from nao_course.geometry import wrap_angle
+from benchmarks import solution
+from nao_course.challenges.beliefs import odometry_belief
+from nao_course.geometry import Pose, wrap_angle
+from nao_course.slam import Motion
 
 Array = npt.NDArray[Any]
 Belief = tuple[Array, Array]
 
 ITERATIONS = 15
 START_DOUBT = 1e-9  # m, rad: the first pose is the origin
-
-
-def _moved(pose: Array, control: Array) -> Array:
-    return pose + (control[0] * np.cos(pose[2]), control[0] * np.sin(pose[2]), control[1])
-
-
-def _motion_slopes(pose: Array, control: Array) -> tuple[Array, Array]:
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    F, G = np.eye(3), np.eye(3)
-    F[:2, 2] = -control[0] * s, control[0] * c
-    G[:2, :2] = [[c, -s], [s, c]]
-    return F, G
 
 
 def _expected(pose: Array, landmark: Array) -> Array:
@@ -41,78 +33,54 @@ def _look_slopes(pose: Array, landmark: Array) -> tuple[Array, Array]:
     return np.column_stack([-by_landmark, [-1.0, 0.0]]), by_landmark
 
 
-def _placed(pose: Array, measured: Array) -> tuple[Array, Array, Array]:
-    c, s = np.cos(pose[2] + measured[0]), np.sin(pose[2] + measured[0])
-    r = measured[1]
-    return (
-        pose[:2] + r * np.array([c, s]),
-        np.array([[1.0, 0.0, -r * s], [0.0, 1.0, r * c]]),
-        np.array([[-r * s, c], [r * c, s]]),
-    )
-
-
 def odometry(log: list[Any]) -> Belief:
     """Ignore all measurements."""
-    pose, covariance = np.zeros(3), np.zeros((3, 3))
-    for control, Q, *_ in log:
-        F, G = _motion_slopes(pose, control)
-        pose, covariance = _moved(pose, control), F @ covariance @ F.T + G @ Q @ G.T
-    pose[2] = wrap_angle(pose[2])
-    return pose, covariance
+    motions = [Motion(*control) for control, *_ in log]
+    return odometry_belief(Pose(), motions, [Q for _, Q, *_ in log])
 
 
-def _predicted(state: Array, P: Array, control: Array, Q: Array) -> Belief:
-    F, G = _motion_slopes(state[:3], control)
-    state, P = state.copy(), P.copy()
-    state[:3] = _moved(state[:3], control)
-    P[:3, :3] = F @ P[:3, :3] @ F.T + G @ Q @ G.T
-    P[3:, :3] = P[3:, :3] @ F.T
-    P[:3, 3:] = P[3:, :3].T
-    return state, P
-
-
-def _updated(state: Array, P: Array, indices: list[int], z: Array, R: Array) -> Belief:
-    H, surprise = np.zeros((2 * len(indices), len(state))), np.zeros(2 * len(indices))
-    for j, i in enumerate(indices):
-        rows, columns = slice(2 * j, 2 * j + 2), slice(3 + 2 * i, 5 + 2 * i)
-        H[rows, :3], H[rows, columns] = _look_slopes(state[:3], state[columns])
-        surprise[rows] = z[rows] - _expected(state[:3], state[columns])
-    surprise[::2] = wrap_angle(surprise[::2])
-    shared = P @ H.T
-    gain = np.linalg.solve(H @ shared + np.kron(np.eye(len(indices)), R), shared.T).T
-    P = P - gain @ shared.T
-    return state + gain @ surprise, (P + P.T) / 2
+def _followed(log: list[Any], joined: bool = True) -> tuple[Array, Array, list[int], list[Array]]:
+    """Run the lesson's EKF; a new landmark is correlated with the state, or added without it as in the homework."""
+    own, state, P, known, poses = solution("07"), np.zeros(3), np.zeros((3, 3)), list[int](), list[Array]()
+    for control, Q, numbers, measurements, R in log:
+        state, P = own["predict"](state, P, control, Q, len(known))
+        pairs = measurements.reshape(-1, 2)
+        again = [j for j, number in enumerate(numbers) if number in known]
+        if again:
+            indices = [known.index(numbers[j]) for j in again]
+            state, P = own["update_landmarks"](state, P, indices, pairs[again].reshape(-1), R)
+        for number, measured in zip(numbers, pairs, strict=True):
+            if number not in known:
+                known.append(number)
+                known_before = P
+                state, P = own["add_landmark"](state, P, measured, R)
+                if not joined:
+                    bearing = state[2] + measured[0]
+                    c, s, r = np.cos(bearing), np.sin(bearing), measured[1]
+                    slopes = np.array([[-r * s, c], [r * c, s]])
+                    P = block_diag(known_before, slopes @ R @ slopes.T)
+        poses.append(state[:3])
+    return state, P, known, poses
 
 
 def _filter(joined: bool) -> Callable[[list[Any]], Belief]:
-    """Run an EKF; a new landmark is correlated with the state, or added without correlations as in the homework."""
-
     def entry(log: list[Any]) -> Belief:
-        state, P, known = np.zeros(3), np.zeros((3, 3)), list[int]()
-        for control, Q, numbers, measurements, R in log:
-            state, P = _predicted(state, P, control, Q)
-            pairs = measurements.reshape(-1, 2)
-            again = [j for j, number in enumerate(numbers) if number in known]
-            if again:
-                indices = [known.index(numbers[j]) for j in again]
-                state, P = _updated(state, P, indices, pairs[again].reshape(-1), R)
-            for number, measured in zip(numbers, pairs, strict=True):
-                if number not in known:
-                    known.append(number)
-                    place, by_pose, by_measurement = _placed(state[:3], measured)
-                    noise = by_measurement @ R @ by_measurement.T
-                    cross = P[:, :3] @ by_pose.T * joined
-                    own = noise + joined * by_pose @ P[:3, :3] @ by_pose.T
-                    state, P = np.append(state, place), np.block([[P, cross], [cross.T, own]])
-        state[2] = wrap_angle(state[2])
-        return state[:3], P[:3, :3]
+        state, P, *_ = _followed(log, joined)
+        pose = state[:3].copy()
+        pose[2] = wrap_angle(pose[2])
+        return pose, P[:3, :3]
 
     return entry
 
 
 def better(log: list[Any]) -> Belief:
     """Estimate all poses and landmarks at once by repeated linearisation, and return the last pose."""
-    poses, landmarks, known = _first_guess(log)
+    state, _, names, followed = _followed(log)
+    poses, landmarks, known = (
+        np.array(followed),
+        state[3:].reshape(-1, 2),
+        {n: k for k, n in enumerate(names)},
+    )
     for _ in range(ITERATIONS):
         H, b = _normal_equations(log, poses, landmarks, known)
         shift = np.linalg.solve(H, b)
@@ -128,26 +96,6 @@ def better(log: list[Any]) -> Belief:
     pose = poses[-1].copy()
     pose[2] = wrap_angle(pose[2])
     return pose, (covariance + covariance.T) / 2
-
-
-def _first_guess(log: list[Any]) -> tuple[Array, Array, dict[int, int]]:
-    """Return the poses and landmarks that an EKF estimates during the drive."""
-    state, P, known, poses = np.zeros(3), np.zeros((3, 3)), dict[int, int](), list[Array]()
-    for control, Q, numbers, measurements, R in log:
-        state, P = _predicted(state, P, control, Q)
-        pairs = measurements.reshape(-1, 2)
-        again = [j for j, number in enumerate(numbers) if number in known]
-        if again:
-            state, P = _updated(state, P, [known[numbers[j]] for j in again], pairs[again].reshape(-1), R)
-        for number, measured in zip(numbers, pairs, strict=True):
-            if number not in known:
-                known[number] = len(known)
-                place, by_pose, by_measurement = _placed(state[:3], measured)
-                cross = P[:, :3] @ by_pose.T
-                own = by_measurement @ R @ by_measurement.T + by_pose @ P[:3, :3] @ by_pose.T
-                state, P = np.append(state, place), np.block([[P, cross], [cross.T, own]])
-        poses.append(state[:3])
-    return np.array(poses), state[3:].reshape(-1, 2), known
 
 
 def _normal_equations(

@@ -42,27 +42,15 @@ def _entry(name: str, **chosen: Any) -> Callable[..., Belief]:
 
 @dataclass(frozen=True, eq=False)
 class _Whole:
-    """A drive as one system of equations; its unknowns are all poses, all landmarks, and each picture's lean.
+    """A drive as one system of equations; its unknowns are all poses, all landmarks, and each picture's lean."""
 
-    Parameters
-    ----------
-    start : ndarray, shape (3,)
-        The first pose, which is known.
-    moves, sigmas : ndarray, shape (M, 3)
-        What odometry says of each move, and how surely.
-    pose, picture, landmark : ndarray of int, shape (N,)
-        Of which each measurement is.
-    values, errors : ndarray, shape (N, 2)
-        Bearing and 1 / range, and their standard deviations without a lean.
-    """
-
-    start: Array
-    moves: Array
+    start: Array  # (3,): the first pose, which is known
+    moves: Array  # (M, 3): what odometry says of each move, and how surely
     sigmas: Array
-    pose: Array
+    pose: Array  # (N,): of which each measurement is
     picture: Array
     landmark: Array
-    values: Array
+    values: Array  # (N, 2): bearing and 1 / range, and their standard deviations without a lean
     errors: Array
 
     def split(self, x: Array) -> tuple[Array, Array, Array]:

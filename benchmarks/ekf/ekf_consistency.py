@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import BUILD, ROOT, Result, Table
-from nao_course.instructor.authoring.plans import load_solution
-from nao_course.lessons.ekf_slam.consistency import NOISY, NOMINAL, RUNS, compare, draw_consistency, mean_nees
+from benchmarks import Result, Table, solution
+from nao_course.lessons.ekf_slam.consistency import NOISY, NOMINAL, RUNS, compare, mean_nees
 from nao_course.metrics import band
 from nao_course.sim.drives import Sigmas
 
@@ -16,16 +15,14 @@ FIELDS: dict[str, Sigmas] = {"nominal": NOMINAL, "noisy": NOISY}
 
 
 def main() -> Result:
-    """Run all variants on both fields; draw each into ``build``."""
-    own = load_solution(ROOT / "solutions" / "07_ekf_slam.ipynb")
+    """Run all variants on both fields."""
+    own = solution("07")
     functions = own["predict"], own["update_landmarks"], own["add_landmark"]
     low, high = band(3, RUNS)
     values: dict[str, Any] = {"runs": RUNS, "band": [low, high]}
     rows = []
-    BUILD.mkdir(exist_ok=True)
     for field, sigmas in FIELDS.items():
         found = compare(*functions, sigmas=sigmas, with_nis=True)
-        draw_consistency(found).save(BUILD / f"ekf_consistency_{field}.png")
         values[field] = {}
         for name, traces in found.items():
             nees = mean_nees(traces)

@@ -1,8 +1,7 @@
 """The report's four ideas for a constant time a step (its 3.3), measured on a loop through 200 landmarks.
 
 Observing fewer, forgetting landmarks, a local map inside the large one (the compressed filter), and a faster search.
-``OMP_NUM_THREADS=1 python -m benchmarks ekf_ideas`` also draws ``build/ekf_ideas.png``; with more threads than one the
-times count them all.
+Use ``OMP_NUM_THREADS=1 python -m benchmarks ekf_ideas``: with more threads than one the times count them all.
 """
 
 from __future__ import annotations
@@ -13,20 +12,16 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.spatial import KDTree
 
-from benchmarks import BUILD, ROOT, Result, Table
+from benchmarks import Result, Table, solution
 from nao_course.geometry import FloatArray, Pose, pose_errors, wrap_angle
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.ekf_slam.filters import CompressedFilter
 from nao_course.metrics import band, squared_distances
-from nao_course.plotting import STYLES, Drawing, course_style
-from nao_course.plotting.legends import legend_below
 from nao_course.sim.drives import FieldOfView, NamedEkf, Sigmas, Step, measure_in_view
 from nao_course.slam import Motion
 
-OWN = load_solution(ROOT / "solutions" / "07_ekf_slam.ipynb")
+OWN = solution("07")
 FUNCTIONS = OWN["predict"], OWN["update_landmarks"], OWN["add_landmark"]
 
 LANDMARKS, RADIUS, ASIDE = 200, 25.0, 2.0  # on a ring so wide to both sides, m
@@ -123,12 +118,6 @@ FILTERS: dict[str, Callable[[], Filter]] = {
     "forgets after 40 steps": Forgetful,
     "compressed": Compressed,
 }
-COLOURS = {
-    "whole map": STYLES["ekf"].colour,
-    "one landmark a step": "#56a0d3",
-    "forgets after 40 steps": "#c84b00",
-    "compressed": "#2e8540",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,31 +196,10 @@ def _best(step: Callable[[], Any], rounds: int = 50) -> float:
     return float(best)
 
 
-@course_style()
-def draw(found: dict[str, list[Loop]]) -> Drawing:
-    """Draw the cost and the position error of each step, averaged over the loops."""
-    figure = Figure(figsize=(11.0, 4.4))
-    left, right = figure.subplots(1, 2)
-    steps = np.arange(1, STEPS + 1)
-    for name, loops in found.items():
-        options = {"color": COLOURS[name], "lw": 1.6, "label": name}
-        left.plot(steps, np.median([loop.ms for loop in loops], axis=0), **options)
-        right.plot(steps, np.mean([np.hypot(*loop.errors[:, :2].T) for loop in loops], axis=0), **options)
-    for ax in (left, right):
-        ax.axvline(2 * np.pi * RADIUS / STEP, color="#6b7280", lw=1, ls="--")
-        ax.set_xlabel("step; the loop closes at the dashed line")
-    left.set(yscale="log", ylabel="ms a step, median")
-    right.set_ylabel("position error, m, mean")
-    legend_below(figure, left.get_legend_handles_labels()[0])
-    return Drawing(figure, f"Cost and error along a loop of {STEPS} steps, {', '.join(found)}.")
-
-
 def main() -> Result:
     """Drive the loops, and search."""
     worlds = [world(seed) for seed in range(RUNS)]
     found = {name: [go_round(make(), each) for each in worlds] for name, make in FILTERS.items()}
-    BUILD.mkdir(exist_ok=True)
-    draw(found).save(BUILD / "ekf_ideas.png")
     low, high = band(3, RUNS)
     values: dict[str, Any] = {"runs": RUNS, "band": [low, high], "search": search_times()}
     rows = []

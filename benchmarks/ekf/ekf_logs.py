@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import Result, Table, solution
 from nao_course.datasets import FreiburgLog, read_freiburg_log, read_homework_log
 from nao_course.geometry import FloatArray
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.ekf_slam.homework_log import (
     LandmarkErrors,
     LogRun,
@@ -22,7 +21,7 @@ from nao_course.lessons.ekf_slam.homework_log import (
 from nao_course.metrics import band, squared_distances
 from nao_course.sim.drives import Sigmas, landmark_blocks
 
-OWN = load_solution(ROOT / "solutions" / "07_ekf_slam.ipynb")
+OWN = solution("07")
 
 # What Freiburg's exercise assumes of each step and measurement; and less of a step, so that NIS comes near its mean.
 COURSE = Sigmas(along=0.1**0.5, across=0.1**0.5, turn=0.1, bearing=0.1, range=0.1)

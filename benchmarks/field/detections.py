@@ -30,29 +30,15 @@ FLOOR = 0.16  # of the saturation
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """Detections and truth of a picture.
+    """Detections and truth of a picture."""
 
-    Parameters
-    ----------
-    motion : Motion or None
-        The command before it.
-    pose : Pose
-        True pose in the field's frame.
-    view, true_view : CameraView
-        What the robot believes, and how its camera looked.
-    posts, corners : ndarray, shape (N, 2)
-        By lessons 02 and 03, px.
-    lines : ndarray, shape (N, 4)
-        By the library, px without the lens.
-    """
-
-    motion: Motion | None
-    pose: Pose
-    view: CameraView
+    motion: Motion | None  # the command before it
+    pose: Pose  # true pose in the field's frame
+    view: CameraView  # what the robot believes, and how its camera looked
     true_view: CameraView
-    posts: FloatArray
+    posts: FloatArray  # (N, 2): by lessons 02 and 03, px
     corners: FloatArray
-    lines: FloatArray
+    lines: FloatArray  # (N, 4): by the library, px without the lens
 
 
 def quick_labels(picture: Pixels) -> Pixels:

@@ -40,54 +40,26 @@ Stop = Sequence[Seen]
 
 @dataclass(frozen=True)
 class Step:
-    """The state of the robot after a stop.
+    """The state of the robot after a stop."""
 
-    Parameters
-    ----------
-    error, turned : float
-        Errors of position and heading, m and rad.
-    lost : bool
-        Whether the robot does not know where it is.
-    alarms : int
-        How often it has noticed that it was carried away.
-    kept : bool
-        Whether it kept more than one hypothesis.
-    milliseconds : float
-        Time of the SLAM algorithm for each of the stop's pictures.
-    """
-
-    error: float
+    error: float  # errors of position and heading, m and rad
     turned: float
-    lost: bool
-    alarms: int
-    kept: bool
-    milliseconds: float
+    lost: bool  # whether the robot does not know where it is
+    alarms: int  # how often it has noticed that it was carried away
+    kept: bool  # whether it kept more than one hypothesis
+    milliseconds: float  # time of the SLAM algorithm for each of the stop's pictures
 
 
 @dataclass(frozen=True)
 class Kidnapping:
-    """The result of one kidnapping; a number of stops is NEVER if it did not happen.
+    """The result of one kidnapping; a number of stops is NEVER if it did not happen."""
 
-    Parameters
-    ----------
-    noticed : int
-        Number of stops until the robot noticed, at least 1.
-    back : int
-        Number of stops from then until the error was smaller than BACK and the robot was not lost.
-    error, end : float
-        Error at the last stop at which it should be back, and at the end of the drive, m.
-    wrong : int
-        Number of stops after the alarm at which the robot was sure of a wrong pose.
-    early : int
-        Number of alarms before the kidnapping.
-    """
-
-    noticed: int
-    back: int
-    error: float
+    noticed: int  # number of stops until the robot noticed, at least 1
+    back: int  # number of stops from then until the error was smaller than BACK and the robot was not lost
+    error: float  # error at the last stop at which it should be back, and at the end of the drive, m
     end: float
-    wrong: int
-    early: int
+    wrong: int  # number of stops after the alarm at which the robot was sure of a wrong pose
+    early: int  # number of alarms before the kidnapping
 
     @property
     def success(self) -> bool:

@@ -61,37 +61,21 @@ class Read:
 
 @dataclass(frozen=True)
 class Options:
-    """A variant of making measurements from a picture.
+    """A variant of making measurements from a picture."""
 
-    Parameters
-    ----------
-    corners : "lines" or "lesson 03"
-        Source of the corners.
-    paper : bool
-        Whether distances and bearings are computed as in the paper.
-    constant, shared : bool
-        Whether R is the same for all measurements; whether R contains the correlation by the common tilt.
-    lines, compass : bool
-        Whether the tilt is estimated from lines; whether the heading is.
-    false_corners : float
-        Mean number of false corners that are added to a picture.
-    post_sigma : float
-        Standard deviation of a post in R, m.
-    corner_sigma : float, optional
-        Standard deviation of a corner, px at 320; by default that of its source.
-    whole : bool
-        Whether lines and the centre circle are measured as well, with their correlation by the common tilt.
-    """
-
-    corners: str = "lines"
-    paper: bool = False
+    corners: str = "lines"  # source of the corners
+    paper: bool = False  # whether distances and bearings are computed as in the paper
+    # whether R is the same for all measurements; whether R contains the correlation by the common tilt
     constant: bool = False
     shared: bool = True
-    lines: bool = False
+    lines: bool = False  # whether the tilt is estimated from lines; whether the heading is
     compass: bool = False
-    false_corners: float = 0.0
-    post_sigma: float = POST_SIGMA
-    corner_sigma: float | None = None
+    false_corners: float = 0.0  # mean number of false corners that are added to a picture
+    post_sigma: float = POST_SIGMA  # standard deviation of a post in R, m
+    corner_sigma: float | None = (
+        None  # standard deviation of a corner, px at 320; by default that of its source
+    )
+    # whether lines and the centre circle are measured as well, with their correlation by the common tilt
     whole: bool = False
 
     def __call__(self, read: Read, rng: np.random.Generator) -> Observation:
@@ -176,29 +160,16 @@ def with_hypotheses(start: Pose) -> SlamAlgorithm:
 
 @dataclass(frozen=True)
 class Score:
-    """The errors at the end of a drive.
+    """The errors at the end of a drive."""
 
-    Parameters
-    ----------
-    position, heading : float
-        Errors of the last pose, m and degrees.
-    landmarks : float
-        Median distance of the estimated landmarks from the nearest true landmark, m; NaN without landmarks.
-    nees : float
-        NEES of the last pose, with 3 degrees of freedom.
-    on_map, wrong : int
-        Number of landmarks on the map, and number of wrong landmarks among them.
-    misled : int
-        The stop after which the estimate was inconsistent until the end, or -1.
-    """
-
-    position: float
+    position: float  # errors of the last pose, m and degrees
     heading: float
+    # median distance of the estimated landmarks from the nearest true landmark, m; NaN without landmarks
     landmarks: float
-    nees: float
-    on_map: int
+    nees: float  # NEES of the last pose, with 3 degrees of freedom
+    on_map: int  # number of landmarks on the map, and number of wrong landmarks among them
     wrong: int
-    misled: int
+    misled: int  # the stop after which the estimate was inconsistent until the end, or -1
 
 
 def run(reads: Sequence[Read], make: Make, options: Options | None, seed: int, pictures: int = 3) -> Score:

@@ -5,11 +5,9 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
-from benchmarks import ROOT, Result, Table
-from nao_course.instructor.authoring.plans import load_solution
+from benchmarks import Result, Table, digits, solution, write_json
 from nao_course.lessons.pose_graphs.measured.ekf_and_graph import (
     NOISES,
     Filter,
@@ -28,9 +26,7 @@ SHOWN = "3° a step, 5° bearing"  # in the lesson's figure
 
 def methods() -> tuple[Filter, Smoother]:
     """Return the reference functions of both lessons."""
-    ekf, graph = (
-        load_solution(ROOT / "solutions" / f"{name}.ipynb") for name in ("07_ekf_slam", "09_pose_graphs")
-    )
+    ekf, graph = solution("07"), solution("09")
     return Filter(*(ekf[name] for name in Filter._fields)), Smoother(
         *(graph[name] for name in Smoother._fields)
     )
@@ -60,8 +56,7 @@ def main() -> Result:
                 )
                 for method, of in means.items()
             ]
-    rounded = _digits(values[SHOWN])
-    EKF_AND_GRAPH.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
+    write_json(EKF_AND_GRAPH, digits(values[SHOWN]), 1)
     columns = ("drive", "steps", "path m", "last pose m", "landmarks m", "NEES (3)", "ms")
     table = Table(
         f"EKF and graph on the same {len(SEEDS)} drives of each length, means", columns, tuple(rows)
@@ -72,12 +67,3 @@ def main() -> Result:
         f"{last['graph_at_every_stop'][-1]:.2f} s; the EKF: {last['methods']['ekf']['seconds'][-1]:.2f} s"
     )
     return Result("ekf_and_graph", values, (table,), (note,))
-
-
-def _digits(value: Any) -> Any:
-    """Round every measured number to three digits."""
-    if isinstance(value, dict):
-        return {key: _digits(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_digits(each) for each in value]
-    return float(f"{value:.3g}") if isinstance(value, float) else value

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -13,12 +12,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse.linalg
 
-from benchmarks import ROOT, Result, Table
-from nao_course.exercises import load_definitions
+from benchmarks import ROOT, Result, Table, digits, solution, write_json
 from nao_course.geometry import FloatArray
 from nao_course.lessons.graph_slam.costs import System, corridor_system
 
-OWN = load_definitions(ROOT / "solutions" / "08_graph_slam.ipynb")
+OWN = solution("08")
 RECORDED = ROOT / "nao_course" / "lessons" / "graph_slam" / "costs.json"
 SIZES = (100, 300, 1000, 3000, 10_000, 30_000, 100_000)
 MOST_SECONDS = 0.3  # once a way of solving has taken so long, it is not tried on larger systems
@@ -72,14 +70,8 @@ def main() -> Result:
     found = {name: measure(way, systems) for name, way in WAYS.items()}
     omega, xi = systems[3000]
     difference = np.abs(OWN["solve_sparse"](omega, xi) - np.linalg.solve(omega.toarray(), xi)).max()
-    rounded = {
-        name: [
-            {key: float(f"{value:.3g}") if key != "variables" else value for key, value in row.items()}
-            for row in rows
-        ]
-        for name, rows in found.items()
-    }
-    RECORDED.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
+    rounded = digits(found)
+    write_json(RECORDED, rounded, 1)
     rows = tuple(
         (name, row["variables"], f"{1000 * row['seconds']:.2f}", f"{row['megabytes']:.3g}")
         for name, each in rounded.items()

@@ -7,7 +7,6 @@
 from __future__ import annotations
 
 import importlib
-import json
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -19,15 +18,14 @@ from typing import Any
 import numpy as np
 import scipy.sparse.linalg
 
-from benchmarks import ROOT, Result, Table
+from benchmarks import Result, Table, digits, solution, write_json
 from benchmarks.graphs.graph_worlds import town, town_with_landmarks
 from nao_course.datasets import data_folder, read_g2o
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.pose_graphs.measured.recorded import COSTS
 
-OWN = load_solution(ROOT / "solutions" / "09_pose_graphs.ipynb")
+OWN = solution("09")
 STANDARD = {"intel": "openslam_intel", "M3500": "input_M3500_g2o", "city10000": "city10000"}
 ROUNDS = 5
 SIZES = (100, 300, 1000, 3000, 10_000, 30_000, 100_000)
@@ -259,11 +257,8 @@ def main() -> Result:
         graphs, notes = problems()
         rows = {name: beside_gtsam(*problem) for name, problem in graphs.items()}
         costs = by_size()
-    rounded = {
-        name: [{key: float(f"{value:.3g}") for key, value in row.items()} for row in each]
-        for name, each in costs.items()
-    }
-    COSTS.write_text(json.dumps(rounded, indent=1) + "\n", encoding="utf-8")
+    rounded = digits(costs)
+    write_json(COSTS, rounded, 1)
     if not installed("gtsam"):
         notes.append("without GTSAM, which is not installed: pip install gtsam, or the extra bench")
     if not installed("qdldl"):

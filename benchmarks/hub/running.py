@@ -32,24 +32,14 @@ INSTALLED = "NAO_COURSE_HUB"  # variable with a folder of an earlier installatio
 
 @dataclass(frozen=True)
 class Hub:
-    """A running hub.
+    """A running hub."""
 
-    Parameters
-    ----------
-    url : str
-        Its address, without a slash at the end.
-    password : str
-        The password of every student.
-    process : psutil.Process
-        The hub itself; the proxy, the culler and the students' servers are its children.
-    log : Path
-        File with all that the hub and the servers say.
-    """
-
-    url: str
-    password: str
-    process: psutil.Process
-    log: Path
+    url: str  # its address, without a slash at the end
+    password: str  # the password of every student
+    process: (
+        psutil.Process
+    )  # the hub itself; the proxy, the culler and the students' servers are its children
+    log: Path  # file with all that the hub and the servers say
 
 
 def missing() -> str:

@@ -22,25 +22,16 @@ SECONDS = 600.0  # for anything that a student waits for
 
 @dataclass
 class Seen:
-    """What a student's session showed.
+    """What a student's session showed."""
 
-    Parameters
-    ----------
-    login, server, kernel : float
-        Seconds until the hub's page, until the student's server answered, and until its kernel did.
-    cells : list of float
-        Seconds from each cell's request to its reply.
-    errors : list of str
-        Exceptions of cells.
-    pictures : list of float
-        Times at which the panel's chosen camera sent a picture during a drive, monotonic seconds.
-    """
-
-    login: float = 0.0
+    login: float = (
+        0.0  # seconds until the hub's page, until the student's server answered, and until its kernel did
+    )
     server: float = 0.0
     kernel: float = 0.0
-    cells: list[float] = field(default_factory=list)
-    errors: list[str] = field(default_factory=list)
+    cells: list[float] = field(default_factory=list)  # seconds from each cell's request to its reply
+    errors: list[str] = field(default_factory=list)  # exceptions of cells
+    # times at which the panel's chosen camera sent a picture during a drive, monotonic seconds
     pictures: list[float] = field(default_factory=list)
 
 

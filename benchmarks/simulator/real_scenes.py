@@ -41,31 +41,16 @@ CACHE = BUILD / "realism_geometry.json"
 
 @dataclass(frozen=True)
 class Lines:
-    """Points along the field's lines as a picture shows them.
+    """Points along the field's lines as a picture shows them."""
 
-    Parameters
-    ----------
-    point : ndarray, shape (N, 2)
-        On a line's middle, field frame, m.
-    pixel, normal : ndarray, shape (N, 2)
-        Half way between the line's edges in the picture, and the unit vector across the line there.
-    half_width : ndarray, shape (N,)
-        From the middle to the edge along the normal, px.
-    distance : ndarray, shape (N,)
-        Over the ground from the camera, m.
-    across : ndarray, shape (N,)
-        Whether the line lies across the view (its normal within 30 degrees of upright).
-    clear : ndarray, shape (N,)
-        Whether no other line, mark or post is near, on the field or in the picture.
-    """
-
-    point: FloatArray
+    point: FloatArray  # (N, 2): on a line's middle, field frame, m
+    # (N, 2): half way between the line's edges in the picture, and the unit vector across the line there
     pixel: FloatArray
     normal: FloatArray
-    half_width: FloatArray
-    distance: FloatArray
-    across: Mask
-    clear: Mask
+    half_width: FloatArray  # (N,): from the middle to the edge along the normal, px
+    distance: FloatArray  # (N,): over the ground from the camera, m
+    across: Mask  # (N,): whether the line lies across the view (its normal within 30 degrees of upright)
+    clear: Mask  # (N,): whether no other line, mark or post is near, on the field or in the picture
 
     def chosen(self, keep: Mask) -> Lines:
         """Return some of the points."""
@@ -256,23 +241,14 @@ class Picture:
 
 @dataclass(frozen=True)
 class Profiles:
-    """Profiles (N, K) across lines, and what follows from each.
+    """Profiles (N, K) across lines, and what follows from each."""
 
-    Parameters
-    ----------
-    centre, width : ndarray, shape (N,)
-        Middle and full width at half height of the bright peak, px from where the line should be.
-    base, peak : ndarray, shape (N,)
-        Lightness of the carpet on both sides, and the greatest within the peak.
-    on_carpet, good : ndarray, shape (N,)
-        Whether there is carpet on both sides; and between them a peak.
-    """
-
+    # (N,): middle and full width at half height of the bright peak, px from where the line should be
     centre: FloatArray
     width: FloatArray
-    base: FloatArray
+    base: FloatArray  # (N,): lightness of the carpet on both sides, and the greatest within the peak
     peak: FloatArray
-    on_carpet: Mask
+    on_carpet: Mask  # (N,): whether there is carpet on both sides; and between them a peak
     good: Mask
 
 

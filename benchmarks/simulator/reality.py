@@ -55,62 +55,33 @@ WALK_STOP = 0.2  # metres
 
 @dataclass(frozen=True)
 class Matched:
-    """A picture with the landmark of each of its N points.
+    """A picture with the landmark of each of its N points."""
 
-    Parameters
-    ----------
-    picture : RealPicture
-        The picture.
-    pixels : ndarray, shape (N, 2)
-        The points as they were marked.
-    landmarks : ndarray, shape (N, 3)
-        Of the field, metres.
-    used : ndarray of bool, shape (N,)
-        Whether the point is near enough to its landmark to take part in a fit.
-    """
-
-    picture: RealPicture
-    pixels: FloatArray
-    landmarks: FloatArray
-    used: npt.NDArray[np.bool_]
+    picture: RealPicture  # the picture
+    pixels: FloatArray  # (N, 2): the points as they were marked
+    landmarks: FloatArray  # (N, 3): of the field, metres
+    used: npt.NDArray[
+        np.bool_
+    ]  # (N,): whether the point is near enough to its landmark to take part in a fit
 
 
 @dataclass(frozen=True)
 class Freedom:
-    """Variants of a fit, to see what its figures hang on.
+    """Variants of a fit, to see what its figures hang on."""
 
-    Parameters
-    ----------
-    position_sd : float
-        How far a robot may stand from where it was set by hand, metres; 0: not at all.
-    square : bool
-        Tie the vertical field of view to the horizontal one by square pixels.
-    """
-
-    position_sd: float = 0.0
-    square: bool = False
+    position_sd: float = 0.0  # how far a robot may stand from where it was set by hand, metres; 0: not at all
+    square: bool = False  # tie the vertical field of view to the horizontal one by square pixels
 
 
 @dataclass(frozen=True)
 class SetFit:
-    """A set of P pictures with all that was fitted to them.
+    """A set of P pictures with all that was fitted to them."""
 
-    Parameters
-    ----------
-    matched : tuple of Matched
-        The pictures.
-    values : ndarray, shape (5,)
-        Height (m), hfov, vfov (rad), k1 and pitch offset (rad): `SET_VALUES`.
-    corrections : ndarray, shape (P, 3) or (P, 5)
-        Per picture pitch, roll and heading (rad); and x, y (m) where the robot's position is free.
-    freedom : Freedom
-        What was free.
-    """
-
-    matched: tuple[Matched, ...]
-    values: FloatArray
+    matched: tuple[Matched, ...]  # the pictures
+    values: FloatArray  # (5,): height (m), hfov, vfov (rad), k1 and pitch offset (rad): `SET_VALUES`
+    # (P, 3) or (P, 5): per picture pitch, roll and heading (rad); and x, y (m) where the robot's position is free
     corrections: FloatArray
-    freedom: Freedom = Freedom()
+    freedom: Freedom = Freedom()  # what was free
 
 
 @dataclass(frozen=True)

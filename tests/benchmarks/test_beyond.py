@@ -6,7 +6,7 @@ import pytest
 from benchmarks.beyond.beyond_cameras import COUNT, SEED
 from benchmarks.beyond.beyond_exploring import MOVES as ROOM_MOVES
 from benchmarks.beyond.beyond_moves import saving
-from benchmarks.beyond.beyond_particles import QuickFastSlam, median_band
+from benchmarks.beyond.beyond_particles import QuickFastSlam
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.beyond import recorded
 from nao_course.lessons.beyond.exploring import explore, nearest_frontier
@@ -33,13 +33,6 @@ def test_particles_all_at_once_do_what_the_lessons_function_does_one_by_one(own)
     assert np.allclose(both[0].paths, both[1].paths, atol=1e-9)
     assert np.allclose(both[0].errors, both[1].errors, atol=1e-9)
     assert np.array_equal(both[0].ancestors, both[1].ancestors)
-
-
-def test_the_median_of_honest_nees_lies_in_its_band_19_times_of_20():
-    rng = np.random.default_rng(0)
-    low, high = median_band(30)
-    medians = np.median(rng.chisquare(3, (4000, 30)), axis=1)
-    assert np.mean((medians > low) & (medians < high)) == pytest.approx(0.95, abs=0.015)
 
 
 def test_what_is_saved_is_nothing_between_equals_and_half_where_all_is_half():
