@@ -33,21 +33,16 @@ STEPS = 28  # of a profile, across it
 # px: length of an edge; which sides of it are compared; where carpet is looked for before an edge and beyond a line; by
 # how much a sample's width may differ whatever the width; how far a profile goes beyond the widest line on each side
 EDGE, ACROSS, BESIDE, BEYOND, ODD, MARGIN = 7.0, 1.5, 2.5, 2.0, 0.7, 3.0
-LIGHTER, MOST_CHROMA = (
-    22.0,
-    90.0,
-)  # levels of a line's middle: above the carpet; and chroma, which a post has 150 of
+# levels of a line's middle: above the carpet; and chroma, which a post has 150 of
+LIGHTER, MOST_CHROMA = (22.0, 90.0)
 SHARE = 0.4  # of a piece's samples that must have carpet on both sides
 UNEVEN = 0.15  # part by which a sample's width may differ from the piece's median: where another line joins, it does
 # The horizon lies this part of the picture's height above the first carpet. Below it a line may widen by so many px a
 # row (over flat ground a line of 0.05 m seen from 0.48 m has 0.104, whatever the lens); lens and light add SLACK px.
 HORIZON, WIDENING, SLACK = 0.12, 0.16, 2.0
 
-ASIDE, ANGLE, GAP = (
-    2.0,
-    float(np.radians(4.0)),
-    20.0,
-)  # px, rad, px: of a piece beside, across and along its line
+# px, rad, px: of a piece beside, across and along its line
+ASIDE, ANGLE, GAP = (2.0, float(np.radians(4.0)), 20.0)
 SHORTEST, SLENDER = 12.0, 3.0  # px; and times its width: a sheet of paper is 1.4
 BEND, BEND_LENGTH = 0.5, 0.01  # px, and part of its length: a line's points beside it
 FOCAL = 0.87  # of the picture's width: a camera that sees 60 degrees
@@ -224,9 +219,8 @@ def _across(
     peak = np.max(np.where(offset <= most[..., None], profile, 0.0), axis=-1)
     over = profile - ((carpet + peak) / 2)[..., None]
     first = np.argmax(over > 0, axis=-1)
-    last = np.argmax(
-        (over <= 0) & (np.arange(STEPS) > first[..., None]), axis=-1
-    )  # 0: it does not go down again
+    # 0: it does not go down again
+    last = np.argmax((over <= 0) & (np.arange(STEPS) > first[..., None]), axis=-1)
     found = (first > 0) & (last > 0)
     rise, fall = (_crossing(over, offset, np.maximum(at, 1)) for at in (first, last))
     found &= (fall - rise <= most) & (np.abs(rise) <= 2.5 * planes.scale)

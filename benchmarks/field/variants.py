@@ -72,9 +72,8 @@ class Options:
     compass: bool = False
     false_corners: float = 0.0  # mean number of false corners that are added to a picture
     post_sigma: float = POST_SIGMA  # standard deviation of a post in R, m
-    corner_sigma: float | None = (
-        None  # standard deviation of a corner, px at 320; by default that of its source
-    )
+    # standard deviation of a corner, px at 320; by default that of its source
+    corner_sigma: float | None = None
     # whether lines and the centre circle are measured as well, with their correlation by the common tilt
     whole: bool = False
 

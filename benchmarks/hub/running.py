@@ -36,9 +36,8 @@ class Hub:
 
     url: str  # its address, without a slash at the end
     password: str  # the password of every student
-    process: (
-        psutil.Process
-    )  # the hub itself; the proxy, the culler and the students' servers are its children
+    # the hub itself; the proxy, the culler and the students' servers are its children
+    process: psutil.Process
     log: Path  # file with all that the hub and the servers say
 
 

@@ -36,9 +36,8 @@ from nao_course.metrics import corner_cost, match_points
 from nao_course.sim.reality import Reality
 
 BINS = ((1, 1.5), (1.5, 2), (2, 3), (3, 4), (4, 5), (5, 6.5))  # m
-LAPLACIAN = np.array(
-    [[1.0, -2, 1], [-2, 4, -2], [1, -2, 1]]
-)  # Immerkaer 1996: sees noise, not slopes or edges
+# Immerkaer 1996: sees noise, not slopes or edges
+LAPLACIAN = np.array([[1.0, -2, 1], [-2, 4, -2], [1, -2, 1]])
 MOST_SAMPLES = 60  # of one picture, so that no picture outweighs the rest
 LARGE = (1280, 960)
 REACH = 7.5  # m: farther corners of a twin are not asked for, because hardly a real one is marked there
@@ -56,9 +55,8 @@ def robust_sd(values: FloatArray) -> float:
 def measure(pixels: Pixels, geometry: Geometry) -> Samples:
     """Measure one picture; statistics that it says nothing about are missing."""
     picture, samples = Picture(pixels), dict[str, Any]()
-    size = (
-        round(5 * geometry.scale) // 2 * 2 + 1
-    )  # objects on the carpet are left out, and 3 px (at 320) around
+    # objects on the carpet are left out, and 3 px (at 320) around
+    size = round(5 * geometry.scale) // 2 * 2 + 1
     odd = np.asarray(cv2.medianBlur((~picture.greenish).astype(np.uint8), min(size, 31)))
     rim = round(3 * geometry.scale) * 2 + 1
     carpet = geometry.carpet & (cv2.dilate(odd, np.ones((rim, rim), np.uint8)) == 0)
