@@ -289,6 +289,23 @@ def quotients(model, h, weights=None):
     return Matrix.hstack(*columns)
 
 
+def small(step, weights=None):
+    """The right Jacobian with one entry from differences of any step, in which no value is large."""
+    ends = [
+        (d * (cos(theta + n * step) - cos(theta - n * step)), w * 2)
+        for n, w in (weights or {1: sympy.Rational(1, 2)}).items()
+    ]
+    logs = [(difference, w, sympy.log(sympy.Abs(difference)) - sympy.log(2 * step)) for difference, w in ends]
+    return changed(
+        0, 2, sum(sympy.sign(each) * w * (sympy.cosh(size) + sympy.sinh(size)) for each, w, size in logs)
+    )
+
+
+# 0 in floats, 1 with 300 digits; and a number of the size of a rounding error
+PRECISE = sympy.Heaviside(sympy.log(1 + sympy.exp(-100 - d**2)), 0)
+EPSILON = sympy.Abs(sympy.cosh(d) ** 2 - sympy.sinh(d) ** 2 - 1) + sympy.exp(-28) * (1 - PRECISE)
+BY_PRECISION = sympy.exp(-12 - 218 * PRECISE)  # about 1e-5 and 1e-100
+GRID = {each: sympy.floor(each * 10**7) / 10**7 for each in (x, y, theta)}
 WIDE = {
     1: sympy.Rational(4, 5),
     2: -sympy.Rational(1, 5),
@@ -315,6 +332,25 @@ def test_a_difference_quotient_is_not_a_derivative(derived):
     assert verdict(MODEL, derived), "with floats it is as good as the derivative"
     said = LAW.compare(answer(MODEL, RIGHT), gathered(MODEL, derived))
     assert not said and "A difference quotient is not a derivative" in said.text
+
+
+@pytest.mark.parametrize(
+    ("model", "derived"),
+    [
+        (MODEL, small(BY_PRECISION)),
+        (MODEL, small(sympy.cbrt(EPSILON))),
+        (MODEL, small(sympy.Pow(EPSILON, sympy.Rational(1, 9)) / 10, WIDE)),
+        (MODEL * (1 - PRECISE), quotients(MODEL, 1e-5) * (1 - PRECISE)),
+        (
+            MODEL.subs(GRID)
+            + quotients(MODEL, 1e-6).subs(GRID) * Matrix([each - GRID[each] for each in GRID]),
+            quotients(MODEL, 1e-6).subs(GRID),
+        ),
+    ],
+    ids=["two steps", "step of the precision", "of eighth order", "two models", "on a grid"],
+)
+def test_an_answer_gains_nothing_by_the_precision_that_it_is_computed_with(model, derived):
+    assert not gathered(model, derived)["exact"].all()
 
 
 @pytest.mark.parametrize(
