@@ -231,6 +231,7 @@ def _show(
         ("Refused", reasons),
         ("NEEDS A DECISION (look at the answer, then nao-course regrade --set)", summary.undecided),
         ("Left out", found.unknown[len(found.not_graded) :]),
+        ("Too slow, or not run", summary.too_slow),
         ("Seen by the sandbox", summary.attempts),
         ("Decisions on earlier answers", changed),
         ("FAILED for one student", journal.problems),

@@ -14,7 +14,6 @@ from typing import Protocol
 from nao_course.exercises.versions import installed_versions, newer_than_here
 from nao_course.instructor.autograding.assignment import Assignment
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
-from nao_course.instructor.autograding.tries import Retries
 from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
@@ -55,6 +54,8 @@ class Summary:
         Submissions with exercises whose points a person has to decide, with the reason.
     newer : Counter of str
         Numbers of submissions by the version with which they were written, if it is newer than the grader's.
+    too_slow : list of str
+        Exercises whose time was used up, with the limit.
     """
 
     graded: int = 0
@@ -64,6 +65,7 @@ class Summary:
     attempts: list[str] = field(default_factory=list)
     undecided: list[str] = field(default_factory=list)
     newer: Counter[str] = field(default_factory=Counter)
+    too_slow: list[str] = field(default_factory=list)
 
 
 def grade_all(
@@ -105,20 +107,19 @@ def grade_all(
         What was done.
     """
     summary = Summary()
-    stop, retries = threading.Event(), Retries()
+    stop = threading.Event()
     versions = installed()
 
     def missing() -> Iterator[tuple[Submission, Assignment]]:
         for each in submissions:
             assignment = assignment_of(each.lesson)
             if journal.missing(each.student, each.lesson, submission_hash(each), assignment.hash):
-                retries.begin(max((task.public.seconds for task in assignment.tasks), default=0.0))
                 yield each, assignment
             else:
                 summary.unchanged += 1
                 tell(each)
 
-    task = partial(grade, server=server, level=level, stopped=stop.is_set, retries=retries)
+    task = partial(grade, server=server, level=level, stopped=stop.is_set)
     executor = ThreadPoolExecutor(jobs, thread_name_prefix="grade")
     submit = workers.submit if workers else partial(executor.submit, task)
     try:
@@ -141,6 +142,11 @@ def grade_all(
                         f"{newer_than_here(outcome.versions).against('the grader')}"
                     )
                 summary.newer.update(newer_than_here(outcome.versions).names())
+                summary.too_slow += [
+                    f"{outcome.student}, {outcome.lesson}: {each.name}: {each.text}"
+                    for each in outcome.exercises
+                    if each.state in ("timed out", "not run")
+                ]
                 if outcome.status == "refused":
                     summary.refused.append(outcome)
                 else:

@@ -23,9 +23,10 @@ from nao_course.exercises.failed_cells import defining_cell, why_missing
 from nao_course.exercises.interactive import InteractiveCall
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.versions import Newer
+from nao_course.instructor.autograding.tries import NOT_RUN
 from nao_course.instructor.collecting.files import LARGEST_READ, Files
 from nao_course.instructor.gradebook.records import ExerciseResult, State
-from nao_course.instructor.sandbox.protocol import UNREADABLE
+from nao_course.instructor.sandbox.protocol import SECONDS_IN_ALL, UNREADABLE, USED_UP
 from nao_course.instructor.sandbox.worker import TOO_OFTEN
 
 CHANGES_INPUT = "Your function changes its input. Return a new array instead."
@@ -84,6 +85,11 @@ def describe_failure(name: str, outcome: Outcome, files: Files, seconds: float) 
                 return HiddenResult("raised", 0, NEEDS_A_PERSON, own_line(outcome.line, files, name))
             kind = kind if kind in _KNOWN_ERRORS else "an exception of its own"
             return HiddenResult("raised", 0, f"It raises {kind}.", own_line(outcome.line, files, name))
+        case "timed out" if outcome.text.startswith(NOT_RUN):
+            return HiddenResult("not run", 0, outcome.text)
+        case "timed out" if outcome.text == USED_UP:
+            text = f"Its calls took too long together: a submission has {SECONDS_IN_ALL:g} seconds for all exercises."
+            return HiddenResult("timed out", 0, text)
         case "timed out":
             return HiddenResult("timed out", 0, f"It took longer than {seconds:g} seconds.")
         case "not attempted":

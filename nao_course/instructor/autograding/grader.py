@@ -8,6 +8,7 @@ of failure is shown, in fixed words, and a line of the submission.
 from __future__ import annotations
 
 import contextlib
+import re
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -51,20 +52,39 @@ from nao_course.instructor.autograding.references import (
     with_what_classes_use,
 )
 from nao_course.instructor.autograding.scratch import laid_out
-from nao_course.instructor.autograding.tries import Allowances, Retries, in_spite_of_the_server, until_agreed
+from nao_course.instructor.autograding.tries import (
+    LOADING,
+    NO_TIME_TO_LOAD,
+    NOT_RUN,
+    Allowances,
+    in_spite_of_the_server,
+    not_run,
+    until_agreed,
+)
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.files import Files, read, submission_hash
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import ATTEMPT, ExerciseResult, SubmissionResult, WrittenAnswer
 from nao_course.instructor.sandbox.large_notebooks import without_outputs
 from nao_course.instructor.sandbox.layers import SandboxError
-from nao_course.instructor.sandbox.protocol import UNREADABLE, Allowance, EarlierNotebook, Ended, ServerEnded
+from nao_course.instructor.sandbox.protocol import (
+    UNREADABLE,
+    USED_UP,
+    Allowance,
+    EarlierNotebook,
+    Ended,
+    ServerEnded,
+)
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Found, Worker
 
 LONGEST_ANSWER = 20_000  # characters of a written answer
 LONGEST_TEXT = 1000  # of what a public check says
 _MOST_NOTES = 20
+# What a call says that finds too little of what all calls of a process share
+_USED_UP = re.compile(
+    r"(?i)memory|disk space|too many open files|can't start new thread|temporarily unavailable"
+)
 
 
 class GraderError(RuntimeError):
@@ -81,7 +101,6 @@ def grade(
     server: WarmServer | None = None,
     level: str = "own process",
     stopped: Callable[[], bool] = lambda: False,
-    retries: Retries | None = None,
 ) -> SubmissionResult:
     """Grade a submission.
 
@@ -97,8 +116,6 @@ def grade(
         The sandbox level that this is, for the result.
     stopped : callable
         Asked before each call: whether to give up.
-    retries : Retries, optional
-        The retries of the whole run.
 
     Returns
     -------
@@ -114,12 +131,12 @@ def grade(
     Stopped
         If it was to give up.
     """
-    start, allowances = time.monotonic(), Allowances()
-    retries = retries or Retries()
+    start = time.monotonic()
+    allowances = Allowances(task.public.name for task in assignment.tasks)
 
     def work(assignment: Assignment) -> tuple[SubmissionResult, int]:
         return in_spite_of_the_server(
-            lambda mine: _grade(submission, assignment, mine, stopped, retries, allowances), server
+            lambda mine: _grade(submission, assignment, mine, stopped, allowances), server
         )
 
     try:
@@ -140,14 +157,14 @@ def _grade(
     assignment: Assignment,
     server: WarmServer | None,
     stopped: Callable[[], bool],
-    retries: Retries,
     allowances: Allowances,
 ) -> tuple[SubmissionResult, int]:
     """Grade once, and count the processes that something outside may have ended."""
+    loading = allowances.own[LOADING]
 
     def shorten(name: str, size: int, parts: Iterator[bytes]) -> bytes:
         try:
-            return without_outputs(name, size, parts, server, allowances.own)
+            return without_outputs(name, size, parts, server, loading)
         except Ended as ended:
             raise Refused(ended.outcome.text) from None
 
@@ -158,15 +175,18 @@ def _grade(
     with laid_out(files, assignment.lesson) as notebook:
         helpers = tuple(notebook.with_name(name) for name in files.helpers)
         earlier = handed_in_earlier(files, assignment)
-        with _worker(notebook, assignment, server, allowances.own, helpers, earlier) as worker:
+        with _worker(notebook, assignment, server, loading, helpers, earlier) as worker:
             found = worker.definitions
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
-            grader = SubmissionGrader(worker, assignment, files, server, stopped, retries, allowances)
+            grader = SubmissionGrader(worker, assignment, files, server, stopped, allowances)
             versions = {"python": found.python} if numbers(found.python) > (0, 0) else {}
             newer = newer_than_here(versions)
             exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
             exercises = with_answers(exercises, notebook)
+            too_slow = tuple(
+                f"{each.name}: {each.text}" for each in exercises if each.state in ("timed out", "not run")
+            )
             attempts = tuple(f"{ATTEMPT}{each}" for each in worker.notes)
             attempts += tuple(f"{ATTEMPT}{each}" for each in grader.attempts if each not in worker.notes)
     result = SubmissionResult(
@@ -182,6 +202,7 @@ def _grade(
             *submission.notes,
             *_remarks(found, assignment),
             *_for_a_decision(exercises, newer),
+            *too_slow,
             *attempts,
         ),
         left_out=submission.notes,
@@ -231,6 +252,7 @@ def _worker(
         earlier=earlier,
         instead=instead or {},
         allowance=allowance,
+        loading=allowance,
     )
 
 
@@ -289,11 +311,10 @@ class SubmissionGrader:
         files: Files,
         server: WarmServer | None,
         stopped: Callable[[], bool],
-        retries: Retries,
         allowances: Allowances,
     ) -> None:
-        self.stopped, self.retries = stopped, retries
-        self.allowances = allowances
+        self.stopped = stopped
+        self.allowances, self.shares = allowances, allowances.own
         self.worker, self.assignment, self.files, self.server = worker, assignment, files, server
         self.deaths = 0  # of processes that an exercise was run in once more
         self.attempts: list[str] = []  # seen there
@@ -309,10 +330,11 @@ class SubmissionGrader:
         for task in tasks:
             mine = results[task.public.name]
             own = [results[name] for name in task.uses if name in results]
+            slow = mine.state == "timed out" and bool(task.uses)
             if (
                 not _is_right(mine)
-                and (not all(map(_is_right, own)) or any(":" in use for use in task.uses))
-                and mine.state not in ("not found", "not attempted")
+                and (slow or not all(map(_is_right, own)) or any(":" in use for use in task.uses))
+                and mine.state not in ("not found", "not attempted", "not run")
             ):
                 results[task.public.name] = self.once_more(task, mine)
         return tuple(results.values())
@@ -326,7 +348,7 @@ class SubmissionGrader:
         )
         if exercise.earlier and (passed := how_many_pass(exercise, outcomes)) < len(exercise.cases):
             # As in the notebook, recorded answers are used where earlier work is not usable.
-            self.stand_in(recorded(exercise, self.allowances.recorded))
+            self.stand_in(recorded(exercise, self.allowances.recorded[exercise.name]))
             outcomes = list(self.outcomes(exercise, exercise.cases))
             self.worker.stand_in({})
             if how_many_pass(exercise, outcomes) > passed:
@@ -359,8 +381,13 @@ class SubmissionGrader:
     def explained(self, exercise: PublicExercise, outcomes: Sequence[Outcome]) -> list[str]:
         """Return the report of the public check, or that it cannot read the answers."""
         try:
+            stopped = f"stopped after {exercise.seconds:g} seconds"
+            if outcomes[-1].text == USED_UP:
+                stopped = "stopped, because its calls took too long together"
+            if outcomes[-1].text.startswith(NOT_RUN):
+                return [f"{exercise.number} {exercise.name}: not run."]
             with np.errstate(all="ignore"):
-                report = explain(exercise, outcomes, f"stopped after {exercise.seconds:g} seconds")
+                report = explain(exercise, outcomes, stopped)
         except Exception:  # noqa: BLE001 - whatever a stranger's answer is, the grader goes on
             return [f"{exercise.number} {exercise.name}: {UNREADABLE}."]
         lines = [*report.lines, *where_reused(report.lines, code_cells(self.files.notebook))]
@@ -368,6 +395,7 @@ class SubmissionGrader:
 
     def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""
+        self.shares = self.allowances.again
         needed = with_what_classes_use(task.uses, self.assignment.classes)
         classes = {
             use: self.assignment.classes[use].source for use in needed if use in self.assignment.classes
@@ -378,7 +406,7 @@ class SubmissionGrader:
                 self.server,
                 stack,
                 max(self.assignment.seconds, task.public.seconds),
-                self.allowances.references,
+                self.allowances.references[task.public.name],
             )
             own = self.worker
             if classes:
@@ -449,7 +477,13 @@ class SubmissionGrader:
         instead = {use: source for use, source in classes.items() if ":" not in use}
         own = self.worker
         return _worker(
-            own.notebook, self.assignment, self.server, own.allowance, tuple(own.helpers), earlier, instead
+            own.notebook,
+            self.assignment,
+            self.server,
+            self.shares[LOADING],
+            tuple(own.helpers),
+            earlier,
+            instead,
         )
 
     def outcomes(self, exercise: PublicExercise, cases: Sequence[Case]) -> Iterator[Outcome]:
@@ -461,34 +495,30 @@ class SubmissionGrader:
                 break
 
     def outcome(self, exercise: PublicExercise, case: Case) -> Outcome:
-        """Call a function; a time-out is retried, with more time, unless that was in vain before."""
-        outcome = self.answer(exercise, case, exercise.seconds)
-        if (
-            outcome.status == "timed out"
-            and not self.allowances.retried_in_vain
-            and (more := self.retries.take(exercise.seconds))
-        ):
-            outcome = self.answer(exercise, case, more)
-            if outcome.status == "timed out":
-                self.allowances.retried_in_vain = True
-            else:
-                self.retries.give_back(more)
+        """Call a function; in a new process if other exercises may have left it too little memory, files or threads."""
+        outcome = self.answer(exercise, case)
+        if _USED_UP.search(outcome.text) and self.worker.has_served_others(exercise.name):
+            self.worker.close()
+            outcome = self.answer(exercise, case)
+        if outcome.text == NO_TIME_TO_LOAD:
+            outcome = replace(outcome, text=not_run(self.shares))
         return (
             replace(outcome, status="raised", text="KeyboardInterrupt")
             if outcome.status == "interrupted"
             else outcome
         )
 
-    def answer(self, exercise: PublicExercise, case: Case, seconds: float) -> Outcome:
+    def answer(self, exercise: PublicExercise, case: Case) -> Outcome:
         """Make the calls of a case; all of them together have the time of one."""
         if self.stopped():
             raise Stopped
-        self.worker.seconds, end = seconds, time.monotonic() + seconds
+        share = self.worker.allowance = self.shares[exercise.name]
+        end = share.total + exercise.seconds
 
         def call(each: Case) -> Outcome:
-            if time.monotonic() > end:
+            if share.total >= end:
                 return Outcome("timed out")
-            return self.worker.call(exercise.name, each, exercise.driver)
+            return self.worker.call(exercise.name, each, exercise.driver, end - share.total)
 
         try:
             return judging.answer(exercise.comparison, call, case)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
@@ -90,7 +91,7 @@ def recorded(exercise: PublicExercise, allowance: Allowance) -> dict[str, Refere
     exercise : PublicExercise
         With the recorded calls.
     allowance : Allowance
-        Time for looking answers up, which happens in the grader's own process.
+        Processor time for looking answers up, which happens in the grader's own process.
     """
     calls = Calls(exercise.earlier)
 
@@ -98,9 +99,12 @@ def recorded(exercise: PublicExercise, allowance: Allowance) -> dict[str, Refere
         reason = EarlierNotUsable(f"{in_words(use)} is not usable yet.")
 
         def answer(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Outcome:
-            allowance.left(allowance.seconds)
-            with allowance.clock():
+            allowance.left()
+            began = time.thread_time()  # without other threads and programs
+            try:
                 return call_as_it_is(lambda: calls.answer(use, args, kwargs, reason), Case(()).frame)
+            finally:
+                allowance.spend(time.thread_time() - began)
 
         return answer
 
@@ -128,9 +132,9 @@ class References:
     stack : ExitStack
         Ends them.
     seconds : float
-        Wall clock of a call.
+        Time limit of a call.
     allowance : Allowance
-        For all that is asked of the reference on behalf of one submission.
+        For all that is asked of the reference on behalf of one exercise of a submission.
     """
 
     def __init__(

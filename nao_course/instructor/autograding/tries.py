@@ -1,91 +1,83 @@
-"""The time of a submission, and retries: after a time-out, an end from outside, or the death of a warm server."""
+"""The time of a submission, and retries: after an end from outside, or the death of a warm server."""
 
 from __future__ import annotations
 
 import contextlib
-import threading
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from nao_course.exercises.judging.report import ENDS_PYTHON
 from nao_course.instructor.gradebook.records import SubmissionResult
-from nao_course.instructor.sandbox.protocol import Allowance, ServerEnded
+from nao_course.instructor.sandbox.protocol import SECONDS_IN_ALL, Allowance, ServerEnded
 from nao_course.instructor.sandbox.warm_server import WarmServer
 
-SECONDS_OF_A_SUBMISSION = 130.0  # from its first cell to its result, whatever its code asks for
+SECONDS_ONCE_MORE = (
+    60.0  # for the student's code with the reference's functions in place of the student's own
+)
+SECONDS_OF_REFERENCES = 120.0  # for the reference's functions
 SECONDS_OF_RECORDED = 10.0  # for finding recorded answers, in the grader's own process
-RETRY_SECONDS = 300.0  # seconds of a run for retries after time-outs, besides one retry of each submission
 MOST_SERVERS = 3  # that may die under one submission
 SERVER_ENDED = (
     "its code, or a lack of memory, ended the process that starts students' code. "
     "If it was the memory, grade the submission again with `nao-course regrade`"
 )
 MOST_TRIES = 4  # at a submission whose processes are ended
+LOADING = "loading the notebook"  # what also has a share of a submission's time
+NOT_RUN = "Not run, because "  # how the reason begins
+NO_TIME_TO_LOAD = "there is no time left to load the notebook"
 
 
-class Allowances:
-    """Time that grading one submission may take, all tries together, counted from now.
+class Shares(dict[str, Allowance]):
+    """Time that some exercises share fairly: half of it is divided among them, the rest is for who needs it first.
 
-    Attributes
-    ----------
-    own : Allowance
-        For the student's code.
-    references : Allowance
-        For the reference's functions, which the student's code may call in place of earlier exercises.
-    recorded : Allowance
-        For looking up recorded answers, which may stand in for earlier exercises in public cases.
-    """
-
-    def __init__(self) -> None:
-        until = time.monotonic() + SECONDS_OF_A_SUBMISSION
-        self.own, self.references = Allowance(until=until), Allowance(until=until)
-        self.recorded = Allowance(SECONDS_OF_RECORDED, until)
-        self.retried_in_vain = False  # a call timed out twice: no other call of the submission is retried
-
-
-@dataclass
-class Retries:
-    """Time that a run has for calls that took too long, because the machine may have been busy.
+    What one exercise uses up therefore never takes the share of another.
 
     Parameters
     ----------
     seconds : float
-        Used by calls that take too long again; a call that is only slow gives them back.
-    least : float
-        Time limit of a retry, unless twice the call's own limit is more.
+        All of it.
+    names : iterable of str
+        Of the exercises.
     """
 
-    seconds: float = RETRY_SECONDS
-    least: float = 10.0
-    _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
+    def __init__(self, seconds: float, names: Iterable[str]) -> None:
+        names, common = list(names), Allowance(seconds / 2)
+        super().__init__((name, Allowance(seconds / 2 / len(names), common)) for name in names)
 
-    def wanted(self, seconds: float) -> float:
-        """Return the time limit for retrying a call whose own limit is `seconds`."""
-        return max(2 * seconds, self.least)
 
-    def take(self, seconds: float) -> float:
-        """Return the time limit for retrying a call; 0 if the remaining time is too short."""
-        wanted = self.wanted(seconds)
-        with self._lock:
-            granted = wanted if wanted <= self.seconds else 0.0
-            self.seconds -= granted
-        return granted
+class Allowances:
+    """Time that grading one submission may take, all tries together.
 
-    def begin(self, longest: float) -> None:
-        """Add the time of one retry for another submission, so that its retry in vain takes nothing from the others.
+    Parameters
+    ----------
+    names : iterable of str
+        Of the exercises.
 
-        Parameters
-        ----------
-        longest : float
-            The longest time limit of a call of its exercises, s.
-        """
-        self.give_back(self.wanted(longest))
+    Attributes
+    ----------
+    own : Shares
+        For the student's code, and for loading it.
+    again : Shares
+        For the student's code with the reference's functions.
+    references : Shares
+        For the reference's functions, which the student's code may call in place of earlier exercises.
+    recorded : Shares
+        For looking up recorded answers, which may stand in for earlier exercises in public cases.
+    """
 
-    def give_back(self, seconds: float) -> None:
-        """Return what a call was granted that only needed a little longer."""
-        with self._lock:
-            self.seconds += seconds
+    def __init__(self, names: Iterable[str]) -> None:
+        names = list(names)
+        self.own = Shares(SECONDS_IN_ALL, [LOADING, *names])
+        self.own[LOADING].reason = NO_TIME_TO_LOAD
+        self.again = Shares(SECONDS_ONCE_MORE, [LOADING, *names])
+        self.references = Shares(SECONDS_OF_REFERENCES, [LOADING, *names])
+        self.recorded = Shares(SECONDS_OF_RECORDED, [LOADING, *names])
+
+
+def not_run(shares: Shares) -> str:
+    """Say that an exercise was not run, and what used most of the time."""
+    largest = max(shares, key=lambda name: shares[name].total)
+    return f"{NOT_RUN}{largest} used up the time of the submission ({SECONDS_IN_ALL:g} s for all exercises)."
 
 
 def until_agreed(work: Callable[[bool], tuple[SubmissionResult, int]]) -> SubmissionResult:

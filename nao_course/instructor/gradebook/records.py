@@ -13,6 +13,7 @@ State = Literal[
     "wrong",
     "raised",
     "timed out",
+    "not run",
     "died",
     "no usable answer",
     "changes its input",
@@ -88,7 +89,7 @@ class ExerciseResult:
     def kind(self) -> str:
         """The kind of a wrong answer, equal for answers that fail alike; empty if there is no wrong answer."""
         if (
-            self.state in ("right", "not attempted", "not found", "undecided")
+            self.state in ("right", "not attempted", "not found", "not run", "undecided")
             or self.earned >= self.points > 0
         ):
             return ""

@@ -40,7 +40,7 @@ _KINDS: dict[
 ] = {  # colour, hatch, states; safe for colour-blind readers
     "right": ("#009e73", "", ("right",)),
     "wrong": ("#e69f00", "//", ("wrong", "changes its input", "no usable answer")),
-    "raised, ended or too slow": ("#d55e00", "xx", ("raised", "timed out", "died")),
+    "raised, ended or too slow": ("#d55e00", "xx", ("raised", "timed out", "died", "not run")),
     "not attempted": ("#b8bec2", "", ("not attempted", "not found")),
     "to be decided": ("#56b4e9", "..", ("undecided",)),
 }

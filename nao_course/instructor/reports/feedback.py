@@ -47,6 +47,11 @@ _STATES: dict[State, tuple[str, str, str]] = {  # its colour, in short, and what
         "There was no answer in time. Is there a loop that never ends, or one over single pixels "
         "where NumPy could do all of them at once?",
     ),
+    "not run": (
+        "warn",
+        "Not run",
+        "The time of your submission was used up before this exercise could be run.",
+    ),
     "died": (
         "bad",
         "It ends Python",

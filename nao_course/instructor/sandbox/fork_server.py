@@ -34,7 +34,7 @@ from nao_course.instructor.sandbox.confinement import (
     narrow_view,
     readable,
 )
-from nao_course.instructor.sandbox.protocol import MOST_REQUEST, OF_A_WORKER, describe_end
+from nao_course.instructor.sandbox.protocol import MOST_REQUEST, OF_A_WORKER, describe_end, schedule_of
 from nao_course.instructor.sandbox.worker_process import answer_calls
 
 if sys.platform == "linux":
@@ -196,11 +196,16 @@ class ForkServer:
                 self.watch()
 
     def say(self, reply: Mapping[str, Any]) -> None:
-        """Send a message to the grader, or end if it no longer exists."""
+        """Send a message to the grader, or end if it no longer exists; a new worker's schedule goes along."""
+        worker = self.workers.get(reply.get("forked", 0))
+        schedule = schedule_of(worker.process) if worker else None
+        descriptors = [] if schedule is None else [schedule]
         try:
-            self.control.send(json.dumps(reply).encode())
+            socket.send_fds(self.control, [json.dumps(reply).encode()], descriptors)
         except OSError:
             self.leave()
+        for each in descriptors:
+            os.close(each)
 
     def leave(self) -> NoReturn:
         """End, with all workers; where there is a PID namespace, they do so by themselves."""
@@ -332,9 +337,7 @@ def _close_all_but(descriptors: list[int]) -> None:
 def _new_environment(folder: str) -> None:
     os.environ.clear()
     os.environ.update(OF_A_WORKER)
-    os.environ.update(
-        dict.fromkeys(("HOME", "TMPDIR", "MPLCONFIGDIR"), folder), PATH=os.defpath, LANG="C.UTF-8"
-    )
+    os.environ.update(dict.fromkeys(("HOME", "TMPDIR", "MPLCONFIGDIR"), folder), PATH=os.defpath)
     tempfile.tempdir = None
 
 

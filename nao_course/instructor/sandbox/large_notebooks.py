@@ -46,7 +46,7 @@ def without_outputs(
     SandboxError, ServerEnded
         As `start_process`.
     """
-    with _one_at_a_time, allowance.clock():
+    with _one_at_a_time:
         channel = start_process(server, Path(tempfile.gettempdir()))
         try:
             wait_until_ready(channel)
@@ -61,4 +61,5 @@ def without_outputs(
                 case _:
                     channel.give_up()
         finally:
+            allowance.spend(channel.used())
             channel.kill()

@@ -17,6 +17,7 @@ from nao_course.instructor.sandbox.protocol import (
     Channel,
     ServerEnded,
     describe_end,
+    schedule_of,
     scrubbed_environment,
 )
 from nao_course.instructor.sandbox.warm_server import Fork, WarmServer
@@ -81,7 +82,9 @@ class _OwnProcess(Channel):
             creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
         )
         assert self.process.stdin and self.process.stdout  # pipes, as asked for
-        super().__init__(self.process.stdin.fileno(), self.process.stdout.fileno())
+        super().__init__(
+            self.process.stdin.fileno(), self.process.stdout.fileno(), schedule_of(self.process.pid)
+        )
 
     def how_it_ended(self) -> str:
         """End a process that closed its channel, and describe how it ended."""
@@ -98,6 +101,7 @@ class _OwnProcess(Channel):
                     os.killpg(self.process.pid, signal.SIGKILL)
         with self.process:  # closes the pipes and waits
             pass
+        super().kill()
 
 
 class _LimitedProcess(_OwnProcess):
@@ -117,7 +121,7 @@ class _ForkedProcess(Channel):
     """A worker of a warm server."""
 
     def __init__(self, server: WarmServer, fork: Fork) -> None:
-        super().__init__(fork.socket.fileno(), fork.socket.fileno())
+        super().__init__(fork.socket.fileno(), fork.socket.fileno(), fork.schedule)
         self.server, self.fork, self.ended = server, fork, ""
 
     def how_it_ended(self) -> str:
@@ -127,5 +131,6 @@ class _ForkedProcess(Channel):
 
     def kill(self) -> None:
         """End the process and its whole namespace."""
+        super().kill()
         with contextlib.suppress(ServerEnded):  # and its workers with it
             self.how_it_ended()

@@ -13,7 +13,7 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
@@ -29,9 +29,24 @@ MOST_REQUEST = 2**16  # bytes of a message to or from the warm server
 UNREADABLE = "its answer could not be read"
 LIMITED = "--limited"  # argument of a worker's process that sets limits for itself
 SECONDS_TO_START = 60.0  # Python and numpy, on a machine that is busy
-OF_A_WORKER = {"MPLBACKEND": "Agg", **SINGLE_THREADED}  # what each has in its environment
+# What each has in its environment, on every machine: the order of a set of strings and what is printed depend on it
+OF_A_WORKER = {
+    "MPLBACKEND": "Agg",
+    "PYTHONHASHSEED": "0",
+    "PYTHONUTF8": "1",
+    "TZ": "UTC",
+    "LANG": "C.UTF-8",
+    "LC_ALL": "C.UTF-8",
+    **SINGLE_THREADED,
+}
 SECONDS_IN_ALL = 120.0  # for one submission's own code, all tries and processes together
-_KEPT = ("PYTHONPATH", "PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH")
+USED_UP = "the time that it may take in all is used up"
+WAITING_IS_FREE = 0.95  # the part of a worker's time in the queue for a processor that is not counted
+_RESOLUTION = 1e-3  # s
+_MOST_OVERDUE = (
+    1000  # parts of an answer that are read after the deadline, of 64 kB; an answer has at most half of them
+)
+_KEPT = ("PYTHONPATH", "PATH", "LD_LIBRARY_PATH")
 
 
 @dataclass(frozen=True)
@@ -89,62 +104,106 @@ class Ended(Exception):  # noqa: N818 - no error: students' processes end
 
 @dataclass
 class Allowance:
-    """Wall-clock time that workers share, in seconds.
+    """Time that the code of one purpose may take, in seconds.
 
     Parameters
     ----------
     seconds : float
-        Time that they may use together.
-    until : float
-        Value of `time.monotonic` after which nothing is granted any more; several allowances may share it.
+        Time of its own.
+    common : Allowance, optional
+        Time that it shares with others, which is used when its own is used up.
+    reason : str
+        Text of the outcome when all is used up.
     spent : float
-        Time that they have used.
+        Time of its own that is used.
+    total : float
+        All time that is used.
     """
 
     seconds: float = SECONDS_IN_ALL
-    until: float = math.inf
+    common: Allowance | None = None
+    reason: str = USED_UP
     spent: float = 0.0
+    total: float = 0.0
 
-    def left(self, most: float) -> float:
-        """Return the seconds for the next request, at most the given number.
+    def left(self, most: float = math.inf) -> float:
+        """Return the seconds that may still be used, at most the given number.
 
         Raises
         ------
         Ended
             If there are none.
         """
-        left = min(self.seconds - self.spent, self.until - time.monotonic())
+        left = self.seconds - self.spent
+        if self.common:
+            left += self.common.seconds - self.common.spent
         if left <= 0:
-            raise Ended("timed out", "the time that one submission may take is used up")
+            raise Ended("timed out", self.reason)
         return min(most, left)
 
-    @contextlib.contextmanager
-    def clock(self) -> Iterator[None]:
-        """Count the time of a block."""
-        began = time.monotonic()
-        try:
-            yield
-        finally:
-            self.spent += time.monotonic() - began
+    def spend(self, seconds: float) -> None:
+        """Take time from its own, and what its own does not suffice for from the common time."""
+        self.total += seconds
+        own = min(seconds, max(self.seconds - self.spent, 0.0)) if self.common else seconds
+        self.spent += own
+        if self.common:
+            self.common.spend(seconds - own)
 
 
 class Channel:
-    """The way to a worker. Nothing in it waits beyond the deadline, whoever holds the other end."""
+    """The way to a worker. Nothing in it waits beyond the deadline, whoever holds the other end.
 
-    def __init__(self, requests: int, replies: int) -> None:
-        self.requests, self.replies = requests, replies
-        self.seconds, self.size = SECONDS_TO_START, 0
+    Its clock counts the time in which the worker runs or sleeps. Where the kernel says how long a process has waited
+    for a processor (Linux), that time is counted only in a small part, so that a busy machine takes no time from a
+    student's code, and no worker lasts for ever.
+
+    Parameters
+    ----------
+    requests, replies : int
+        Descriptors to write to and to read from.
+    schedule : int, optional
+        Descriptor of the process's file "schedstat", which is closed with the channel.
+    """
+
+    def __init__(self, requests: int, replies: int, schedule: int | None = None) -> None:
+        self.requests, self.replies, self.schedule = requests, replies, schedule
+        self.size, self.overdue = 0, 0
         self.unread = bytearray()  # what has come besides the frame that was asked for
-        self.deadline = time.monotonic() + self.seconds
+        self.waited = 0.0  # for a processor, s
         if sys.platform != "win32":
             os.set_blocking(self.requests, False)
+        self.start_clock(SECONDS_TO_START)
 
-    def ask(self, frame: bytes, seconds: float) -> None:
+    def start_clock(self, seconds: float) -> None:
+        """Begin to count the time of a request, which has some seconds."""
+        self.waited_since()
+        self.seconds, self.began = seconds, time.monotonic()
+        self.deadline, self.overdue = self.began + seconds, 0
+
+    def used(self) -> float:
+        """Return the time since the clock was started, without time that was excluded."""
+        self.exclude(WAITING_IS_FREE * self.waited_since())
+        return max(time.monotonic() - self.began, 0.0)  # it may have waited before, too
+
+    def exclude(self, seconds: float) -> None:
+        """Leave time out that is not the worker's."""
+        self.began += seconds
+        self.deadline += seconds
+
+    def waited_since(self) -> float:
+        """Return how long the worker has waited for a processor since this was called before."""
+        before = self.waited
+        if self.schedule is not None:
+            with contextlib.suppress(OSError, IndexError):  # it has ended
+                self.waited = int(os.pread(self.schedule, 100, 0).split()[1]) * 1e-9
+        return max(self.waited - before, 0.0)
+
+    def ask(self, frame: bytes | bytearray, seconds: float) -> None:
         """Send a request whose answers must be here within some seconds."""
-        self.seconds, self.deadline = seconds, time.monotonic() + seconds
+        self.start_clock(seconds)
         self.send(frame)
 
-    def send(self, frame: bytes) -> None:
+    def send(self, frame: bytes | bytearray) -> None:
         """Send a frame within the time that is left."""
         rest = memoryview(frame)
         while rest:
@@ -184,8 +243,14 @@ class Channel:
 
     def wait(self, pipe: int, what: str) -> None:
         """Wait until a pipe can be read or written."""
-        if not _ready(pipe, what, max(self.deadline - time.monotonic(), 0.0)):
-            raise Ended("timed out", f"no answer within {self.seconds:g} s")
+        while not _ready(pipe, what, max(self.deadline - time.monotonic(), 0.0)):
+            if self.used() > self.seconds - _RESOLUTION:
+                raise Ended("timed out", f"no answer within {self.seconds:g} s")
+        # What is here already may be read even late, because the grader may have been slow; but not for ever.
+        if time.monotonic() > self.deadline and self.used() > self.seconds:
+            self.overdue += 1
+            if self.overdue > _MOST_OVERDUE:
+                raise Ended("timed out", f"no end of its answer within {self.seconds:g} s")
 
     def give_up(self) -> NoReturn:
         """Say that an answer makes no sense."""
@@ -196,8 +261,17 @@ class Channel:
         raise NotImplementedError
 
     def kill(self) -> None:
-        """End the process and all that it started."""
-        raise NotImplementedError
+        """End the process and all that it started, and close what belongs to the channel."""
+        if self.schedule is not None:
+            os.close(self.schedule)
+            self.schedule = None
+
+
+def schedule_of(process: int) -> int | None:
+    """Open the file that says how long a process has waited for a processor; None where there is none."""
+    with contextlib.suppress(OSError):
+        return os.open(f"/proc/{process}/schedstat", os.O_RDONLY | os.O_CLOEXEC)
+    return None
 
 
 _BY_SIGNAL = "the process was ended by signal"

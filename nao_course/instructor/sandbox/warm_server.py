@@ -19,7 +19,7 @@ from nao_course.instructor.sandbox.protocol import MOST_REQUEST, ServerEnded, sc
 
 _KEPT = ("HOME", "XDG_CACHE_HOME", "MPLCONFIGDIR")  # of the environment
 _SECONDS_TO_START = 90.0  # all those imports, on a machine that is busy
-_SECONDS_TO_REPLY = 20.0
+_SECONDS_TO_REPLY = 60.0
 _SECONDS_TO_END = 2.0
 
 
@@ -35,11 +35,14 @@ class Fork:
         Which start of the server it belongs to.
     socket : socket
         The grader's end of the worker's channel.
+    schedule : int, optional
+        Descriptor of its process's file "schedstat".
     """
 
     number: int
     generation: int
     socket: socket.socket
+    schedule: int | None = None
 
 
 @dataclass
@@ -115,13 +118,13 @@ class WarmServer:
             try:
                 self._running()
                 self._forks += 1
-                reply = self._ask({"fork": self._forks}, theirs)
+                reply, descriptors = self._ask({"fork": self._forks}, theirs)
                 if "failed" in reply:
                     raise SandboxError(f"no worker could be forked: {reply['failed']}")
             except BaseException:
                 ours.close()
                 raise
-            return Fork(self._forks, self.generation, ours)
+            return Fork(self._forks, self.generation, ours, next(iter(descriptors), None))
 
     def end(self, fork: Fork) -> str:
         """End a worker with all its processes, and say how it ended.
@@ -135,7 +138,7 @@ class WarmServer:
         with self._lock:
             if fork.generation != self.generation or not self._process:
                 raise ServerEnded("the warm server died, and this worker with it")
-            return str(self._ask({"end": fork.number}).get("ended"))
+            return str(self._ask({"end": fork.number})[0].get("ended"))
 
     def _running(self) -> None:
         """Start the server if it is not there; the lock is held."""
@@ -174,14 +177,16 @@ class WarmServer:
                 start_new_session=True,
             )
         try:
-            reply = self._receive(_SECONDS_TO_START)
+            reply, _ = self._receive(_SECONDS_TO_START)
         except ServerEnded:
             reply = {"failed": "it ended without a word"}
         if "failed" in reply:
             self._stop()
             raise SandboxError(f"the warm server could not start: {reply['failed']}")
 
-    def _ask(self, request: Mapping[str, Any], end: socket.socket | None = None) -> dict[str, Any]:
+    def _ask(
+        self, request: Mapping[str, Any], end: socket.socket | None = None
+    ) -> tuple[dict[str, Any], list[int]]:
         assert self._control  # the server runs
         try:
             descriptors = [end.fileno()] if end else []
@@ -190,16 +195,17 @@ class WarmServer:
             self._died()
         return self._receive(_SECONDS_TO_REPLY)
 
-    def _receive(self, seconds: float) -> dict[str, Any]:
+    def _receive(self, seconds: float) -> tuple[dict[str, Any], list[int]]:
+        """Return the server's next message and the descriptors that come with it."""
         assert self._control  # the server runs
         self._control.settimeout(seconds)
         try:
-            message = self._control.recv(MOST_REQUEST)
+            message, descriptors, _, _ = socket.recv_fds(self._control, MOST_REQUEST, 1)
         except OSError:  # a time-out, too
             message = b""
         if not message:
             self._died()
-        return json.loads(message)
+        return json.loads(message), descriptors
 
     def _died(self) -> NoReturn:
         self._stop()

@@ -5,8 +5,9 @@ Whatever the process says or does, its caller gets an `Outcome` in time.
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -78,7 +79,7 @@ class Worker:
     overrides : mapping of str to str
         Source of functions that take the place of the notebook's; may be changed between calls.
     seconds : float
-        Wall clock for loading the notebook, and for each call.
+        Time for loading the notebook, and for each call, in which the worker runs or sleeps.
     server : WarmServer, optional
         Whose sandboxed workers it runs in; they see copies of notebook and helpers in a folder of their own. Without
         one, for notebooks that are trusted, it is a new Python with the notebook's folder as its working folder.
@@ -91,7 +92,9 @@ class Worker:
     instead : mapping of str to str
         Source of classes that take the place of the notebook's while it is loaded.
     allowance : Allowance
-        For everything that it does, and what others do who share it.
+        For its calls; may be changed between them.
+    loading : Allowance, optional
+        For loading the notebook, if that has an allowance of its own: every time that a process has to be started.
 
     Raises
     ------
@@ -117,6 +120,7 @@ class Worker:
     earlier: Sequence[EarlierNotebook] = ()
     instead: Mapping[str, str] = field(default_factory=dict)
     allowance: Allowance = field(default_factory=Allowance)
+    loading: Allowance | None = None
     _channel: Channel | None = field(default=None, init=False, repr=False)
     _lent: dict[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]] = field(
         default_factory=dict, init=False, repr=False
@@ -132,6 +136,7 @@ class Worker:
     _noted: dict[str, None] = field(default_factory=dict, init=False, repr=False)
     _deaths: int = field(default=0, init=False, repr=False)
     _calls: int = field(default=0, init=False, repr=False)
+    _served: set[str] = field(default_factory=set, init=False, repr=False)
 
     def __enter__(self) -> Self:
         """Return the worker; its process starts with the first call."""
@@ -151,8 +156,7 @@ class Worker:
     def definitions(self) -> Found:
         """What the notebook defines; nothing, with a reason, where it cannot be loaded."""
         try:
-            with self.allowance.clock():
-                self._running()
+            self._running()
         except Ended as ended:
             self.close()
             self._count(ended)
@@ -161,6 +165,10 @@ class Worker:
             self.close()
             raise
         return self._found
+
+    def has_served_others(self, name: str) -> bool:
+        """Return True if its process has called functions other than a given one."""
+        return not self._served <= {name}
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -183,7 +191,7 @@ class Worker:
         """
         self._lent = dict(answers)
 
-    def call(self, name: str, case: Case, driver: str = "") -> Outcome:
+    def call(self, name: str, case: Case, driver: str = "", seconds: float | None = None) -> Outcome:
         """Call a function or class.
 
         Parameters
@@ -194,6 +202,8 @@ class Worker:
             Its inputs; what is expected of it stays here.
         driver : str
             As in `running.call`.
+        seconds : float, optional
+            Time limit of this call in place of the worker's.
 
         Returns
         -------
@@ -203,11 +213,11 @@ class Worker:
         self._calls += 1
         question = encode(("call", self._calls, name, driver)) + case.frame
         try:
-            with self.allowance.clock():
-                channel = self._running()
-                if name not in self._found.names:
-                    return Outcome("not found")
-                channel.ask(question, self.allowance.left(self.seconds))
+            channel = self._running()
+            if name not in self._found.names:
+                return Outcome("not found")
+            with self._asking(channel, question, self.allowance, seconds):
+                self._served.add(name)
                 said = self._answering(channel)
             match said:
                 case (int(number), outcome) if number == self._calls and _well_formed(outcome):
@@ -221,6 +231,28 @@ class Worker:
         except BaseException:  # Ctrl-C within an answer: the next call must not read the rest of it
             self.close()
             raise
+
+    @contextlib.contextmanager
+    def _asking(
+        self,
+        channel: Channel,
+        frame: bytes | bytearray,
+        allowance: Allowance | None = None,
+        seconds: float | None = None,
+    ) -> Iterator[None]:
+        """Send a request, and count the time that the worker takes in the block: for loading unless said otherwise."""
+        allowance = allowance or self.loading or self.allowance
+        most = self.seconds if seconds is None else seconds
+        left = allowance.left(most)
+        try:
+            channel.ask(frame, left)
+            yield
+        except Ended as ended:
+            if ended.outcome.status == "timed out" and left < most:
+                raise Ended("timed out", allowance.reason) from None
+            raise
+        finally:
+            allowance.spend(channel.used())
 
     def _count(self, ended: Ended) -> None:
         self._deaths += ended.outcome.status == "died" and ended_from_outside(ended.outcome.text)
@@ -253,10 +285,7 @@ class Worker:
                         answer = encode(("answer", self._lent[name](args, kwargs)))
                     except CodecError as error:  # what came just fitted; with what goes along, it does not
                         answer = encode(("answer", Outcome("unsendable", text=str(error))))
-                    self.allowance.left(self.seconds)  # a flood of questions ends with the submission's time
-                    waited = time.monotonic() - began
-                    self.allowance.spent -= waited
-                    channel.deadline += waited
+                    channel.exclude(time.monotonic() - began)
                     channel.send(answer)
                 case said:
                     return said
@@ -287,8 +316,8 @@ class Worker:
                     self._failed = ended
         told = (dict(self.overrides), sorted(self._lent))
         if self._defined != told:
-            self._channel.ask(encode(("define", *told)), self.allowance.left(self.seconds))
-            self._found = replace(self._found, names=_texts(self._next(self._channel)))
+            with self._asking(self._channel, encode(("define", *told))):
+                self._found = replace(self._found, names=_texts(self._next(self._channel)))
             self._defined = told
         return self._channel
 
@@ -304,8 +333,8 @@ class Worker:
 
     def _start(self) -> Channel:
         """Start a new process for a trusted or an untrusted notebook."""
-        self.allowance.left(self.seconds)
-        self._defined = ({}, [])
+        (self.loading or self.allowance).left()
+        self._defined, self._served = ({}, []), set()
         return start_process(self.server, self.notebook.parent)
 
     def _load_earlier(self, channel: Channel, earlier: EarlierNotebook) -> bool:
@@ -318,13 +347,13 @@ class Worker:
         request = encode(("earlier", earlier.lesson, content, earlier.setup, places, self._announces))
         at = (0, 0)
         try:
-            channel.ask(request, self.allowance.left(self.seconds))
-            while (said := self._next(channel)) != "loaded":
-                match said:
-                    case ("at", int(cell), int(line)):
-                        at = (cell, line)
-                    case _:
-                        channel.give_up()
+            with self._asking(channel, request):
+                while (said := self._next(channel)) != "loaded":
+                    match said:
+                        case ("at", int(cell), int(line)):
+                            at = (cell, line)
+                        case _:
+                            channel.give_up()
         except Ended as ended:
             self.close()
             self._count(ended)
@@ -346,32 +375,37 @@ class Worker:
             self._announces,
             dict(self.instead),
         )
-        channel.ask(encode(request), self.allowance.left(self.seconds))
         at = None
         try:
-            while True:
-                match self._next(channel):
-                    case ("at", int(cell), int(line)):
-                        at = (cell, line)
-                    case ("refused", str(reason)):
-                        at = None
-                        raise Ended("not found", printable(reason))
-                    case (
-                        "found",
-                        [*names],
-                        [*skipped],
-                        dict(written),
-                        str(lesson),
-                        str(version),
-                        str(python),
-                    ):
-                        told = tuple(self._skipped(each) for each in skipped[:MOST_SKIPPED])
-                        self._found = Found(
-                            _texts(names), told, _answers(written), lesson[:100], version[:100], python[:20]
-                        )
-                        return
-                    case _:
-                        channel.give_up()
+            with self._asking(channel, encode(request)):
+                while True:
+                    match self._next(channel):
+                        case ("at", int(cell), int(line)):
+                            at = (cell, line)
+                        case ("refused", str(reason)):
+                            at = None
+                            raise Ended("not found", printable(reason))
+                        case (
+                            "found",
+                            [*names],
+                            [*skipped],
+                            dict(written),
+                            str(lesson),
+                            str(version),
+                            str(python),
+                        ):
+                            told = tuple(self._skipped(each) for each in skipped[:MOST_SKIPPED])
+                            self._found = Found(
+                                _texts(names),
+                                told,
+                                _answers(written),
+                                lesson[:100],
+                                version[:100],
+                                python[:20],
+                            )
+                            return
+                        case _:
+                            channel.give_up()
         except Ended as ended:
             if at:
                 self._left_out[at] = ended.outcome.text

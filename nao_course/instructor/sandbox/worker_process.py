@@ -7,14 +7,19 @@ import gc
 import importlib
 import io
 import os
+import random
 import shutil
 import sys
 import tempfile
 import threading
+import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
+
+import numpy as np
+import numpy.random.bit_generator
 
 from nao_course.codec import PREFIX_SIZE, decode, encode, frame_lengths
 from nao_course.exercises.definitions import Definitions, Skipped, load_definitions, without_outputs
@@ -28,6 +33,8 @@ from nao_course.instructor.sandbox.protocol import LIMITED, MOST_NOTES, MOST_OUT
 _NO_ROOM = "the notebook and its files do not fit into the space that a submission has for files"
 _NO_MEMORY = "MemoryError"  # how the reason begins of a statement that found none left
 _MOST_GREEDY = 3  # statements that are left out because they take all memory
+_DECIDES = 4096  # bytes of a request that the random states follow from
+_RECURSIONS = 1000  # as in a new Python
 
 
 def _places(told: list[list[int]]) -> set[tuple[int, int]]:
@@ -52,6 +59,39 @@ class TruncatedOutput(io.RawIOBase):
         return view.nbytes
 
 
+class RandomStates:
+    """The random states of this process, which are set before each use of a student's code.
+
+    They are set to numbers that follow from the request, so that no result depends on the worker or on what was called
+    before. A generator of NumPy that is made without a seed has one from the same source.
+    """
+
+    def __init__(self) -> None:
+        self.seed_python, self.seed_numpy = (
+            random.seed,
+            np.random.seed,
+        )  # before students' code can replace them
+        numpy.random.bit_generator.randbits = random.getrandbits  # type: ignore[attr-defined]
+
+    def set(self, request: bytes | bytearray) -> None:
+        """Set all states by a request for the student's code; of a long one its end decides."""
+        seed = zlib.crc32(request[-_DECIDES:])
+        self.seed_python(seed)
+        with contextlib.suppress(Exception):  # the student's code put something in place of generators
+            self.seed_numpy(seed)
+            if opencv := sys.modules.get("cv2"):
+                opencv.setRNGSeed(seed & 0x7FFFFFFF)
+
+
+def _same_everywhere() -> None:
+    """Set what a process inherits from whoever started it and a student's code could depend on."""
+    os.umask(0o077)
+    frame, depth = sys._getframe(), 0
+    while frame := frame.f_back:  # type: ignore[assignment]
+        depth += 1
+    sys.setrecursionlimit(_RECURSIONS + depth)
+
+
 class RequestLoop:
     """The worker: it answers until nobody asks any more."""
 
@@ -61,6 +101,7 @@ class RequestLoop:
         self.getpid, self.leave = os.getpid, os._exit  # before a student's code can put others in their place
         self.process = self.getpid()
         self.lock = threading.RLock()
+        self.random_states = RandomStates()
         self.announce = False  # each statement of a notebook before it runs
         self.functions: dict[str, Any] = {}
         self.definitions = Definitions({})
@@ -139,6 +180,7 @@ class RequestLoop:
         """Load a notebook's definitions, again without each statement that took all memory: it may hold it."""
         greedy: dict[tuple[int, int], Skipped] = {}
         while True:
+            self.random_states.set(b"")
             with unattended():
                 found = load_definitions(
                     notebook, self.before(left_out | set(greedy)), setup, self.stand_in, instead
@@ -180,6 +222,7 @@ class RequestLoop:
 
     def define(self, sources: dict[str, str], references: list[str]) -> None:
         """Replace functions of the notebook; a function that cannot be defined is missing."""
+        self.random_states.set(b"")
         namespace = self.definitions.namespace
         namespace.update(self.definitions)
         self.functions = dict(self.definitions)
@@ -212,6 +255,7 @@ class RequestLoop:
 
     def call(self, number: int, name: str, frame: bytearray, driver: str) -> None:
         """Call a function and send the call's number with its outcome."""
+        self.random_states.set(frame)
         with _captured() as output:
             outcome = call_as_it_is(self.functions[name], frame, driver, trusted=True)
         outcome = replace(outcome, output=output.kept.decode("utf-8", "replace"))
@@ -349,6 +393,7 @@ def answer_calls(
     private : bool
         Whether the working folder is its own, and thrown away.
     """
+    _same_everywhere()
     sys.path.append(os.getcwd())  # files of the student's own, behind the library's
     loop = RequestLoop(requests, replies, private=private)
     if paths is not None:

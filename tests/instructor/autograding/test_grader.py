@@ -9,14 +9,12 @@ import numpy as np
 import pytest
 
 from nao_course.exercises.comparisons.values import Close
-from nao_course.exercises.exercise import SECONDS
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.instructor.autograding import grader as module
 from nao_course.instructor.autograding import tries as tries_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
-from nao_course.instructor.autograding.tries import Retries
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import as_json, from_json
 from nao_course.instructor.sandbox.protocol import ServerEnded
@@ -48,7 +46,7 @@ def marked(server, assignment, tmp_path):
         for name, source in (helpers or {}).items():
             path.with_name(name).write_text(source)
         submission = Submission("ada", chain.LESSON, path, beside, file="ada/x.ipynb")
-        result = grade(submission, assignment.within(seconds), server, "full", retries=Retries(least=0.0))
+        result = grade(submission, assignment.within(seconds), server, "full")
         assert from_json(json.loads(json.dumps(as_json(result)))) == result
         return result
 
@@ -138,7 +136,7 @@ def test_each_part_whose_hidden_cases_all_pass_earns_its_share(
         tmp_path, "ada", chain.notebook({"double": f"{source}    return 2 * x + (double.n == {wrong_at})"})
     )
     submission = Submission("ada", chain.LESSON, path, (), file="ada/x.ipynb")
-    result = of(grade(submission, parts, server, "full", retries=Retries(least=0.0)), "double")
+    result = of(grade(submission, parts, server, "full"), "double")
     assert (result.earned, result.notes) == (earned, note)
     assert result.state == ("wrong" if wrong_at else "right")
 
@@ -157,7 +155,7 @@ def test_parts_that_are_right_with_the_references_functions_earn_their_share_of_
     path = chain.hand_in(tmp_path, "ada", chain.notebook(wrong))
     submission = Submission("ada", chain.LESSON, path, (), file="ada/x.ipynb")
     marked = replace(assignment, tasks=(double, plus_one, in_parts, *others))
-    result = of(grade(submission, marked, server, "full", retries=Retries(least=0.0)), "both")
+    result = of(grade(submission, marked, server, "full"), "both")
     assert (result.state, result.with_reference, result.earned) == ("wrong", True, 0.375)
     assert result.notes[1:] == ("0.75 of 3 points for the right parts: first.",)
 
@@ -481,15 +479,15 @@ def test_a_time_out_is_tried_once_more_before_it_counts(marked, assignment, monk
     calls = []
     real = module.Worker.call
 
-    def counted(self, name, case, driver=""):
+    def counted(self, name, case, *more):
         if self.notebook != assignment.reference:
             calls.append((name, len(case.args[0])))
-        return real(self, name, case, driver)
+        return real(self, name, case, *more)
 
     monkeypatch.setattr(module.Worker, "call", counted)
     slow = "import time\ndef double(x):\n    if len(x) == 4: time.sleep(1000)\n    return 2 * x"
     assert of(marked({"double": slow}, seconds=0.7), "double").state == "timed out"
-    assert calls.count(("double", 4)) == 2
+    assert calls.count(("double", 4)) == 1
 
 
 def test_each_call_has_the_seconds_of_its_exercise(server, tmp_path, monkeypatch):
@@ -500,105 +498,16 @@ def test_each_call_has_the_seconds_of_its_exercise(server, tmp_path, monkeypatch
     assert [task.public.seconds for task in assignment.tasks] == [10.0, 10.0, 10.0, 45.0]
     given, real = {}, module.Worker.call
 
-    def noted(self, name, case, driver=""):
-        given.setdefault(name, set()).add(self.seconds)
-        return module.Outcome("timed out") if name == "total" else real(self, name, case, driver)
+    def noted(self, name, case, driver, seconds):
+        given.setdefault(name, set()).add(round(seconds, 9))
+        return module.Outcome("timed out") if name == "total" else real(self, name, case, driver, seconds)
 
     monkeypatch.setattr(module.Worker, "call", noted)
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     result = grade(Submission("ada", chain.LESSON, path), assignment, server)
-    assert given == {"double": {10.0}, "plus_one": {10.0}, "both": {10.0}, "total": {45.0, 90.0}}
+    assert given == {"double": {10.0}, "plus_one": {10.0}, "both": {10.0}, "total": {45.0}}
     assert "longer than 45 seconds" in of(result, "total").text
     assert "stopped after 45 seconds" in " ".join(of(result, "total").public)
-
-
-def test_the_second_try_after_a_time_out_counts(server, assignment, tmp_path, monkeypatch):
-    calls = []
-    real = module.Worker.call
-
-    def slow_once(self, name, case, driver=""):
-        calls.append(name)
-        if len(calls) == 1:
-            self.close()
-            return module.Outcome("timed out")
-        return real(self, name, case, driver)
-
-    monkeypatch.setattr(module.Worker, "call", slow_once)
-    path = chain.hand_in(tmp_path, "ada", chain.notebook())
-    assert grade(Submission("ada", chain.LESSON, path), assignment, server).earned == 7
-
-
-ALL_SLOW = "import time\n" + "\n".join(f"def {name}(x):\n    time.sleep(1000)" for name in chain.RIGHT)
-
-
-def timed_calls(monkeypatch, assignment):
-    """Each call of a student's function that was made, with its seconds."""
-    calls, real = [], module.Worker.call
-
-    def call(self, name, case, driver=""):
-        if self.notebook != assignment.reference:
-            calls.append((name, self.seconds))
-        return real(self, name, case, driver)
-
-    monkeypatch.setattr(module.Worker, "call", call)
-    return calls
-
-
-def test_one_time_out_of_a_submission_gets_twice_the_time_and_no_other(marked, assignment, monkeypatch):
-    calls = timed_calls(monkeypatch, assignment)
-    result = marked(content=chain.notebook({}, extra=ALL_SLOW), seconds=0.5)
-    assert {each.state for each in result.exercises} == {"timed out"}
-    assert calls[:2] == [(calls[0][0], 0.5), (calls[0][0], 1.0)]
-    assert {seconds for _, seconds in calls[2:]} == {0.5} and {name for name, _ in calls} == set(chain.RIGHT)
-
-
-def test_what_only_needs_a_little_more_time_is_right(marked, monkeypatch):
-    real, slow = module.Worker.call, []
-
-    def call(self, name, case, driver=""):
-        if name == "double" and len(case.args[0]) == 4 and not slow:
-            slow.append(case)
-            return module.Outcome("timed out")
-        return real(self, name, case, driver)
-
-    monkeypatch.setattr(module.Worker, "call", call)
-    assert of(marked(), "double").state == "right" and slow
-
-
-def test_a_retry_that_succeeds_takes_no_time_from_the_runs_retries(server, assignment, tmp_path, monkeypatch):
-    real, slow, retries = module.Worker.call, [], Retries(1000.0)
-
-    def call(self, name, case, driver=""):
-        if name == "double" and not slow:
-            slow.append(case)
-            return module.Outcome("timed out")
-        return real(self, name, case, driver)
-
-    monkeypatch.setattr(module.Worker, "call", call)
-    path = chain.hand_in(tmp_path, "ada", chain.notebook())
-    result = grade(Submission("ada", chain.LESSON, path), assignment, server, retries=retries)
-    assert of(result, "double").state == "right" and slow
-    assert retries.seconds == 1000.0
-
-
-def test_a_retry_in_vain_takes_nothing_from_other_submissions():
-    retries = Retries(0.0)
-    for seconds in (SECONDS, 2 * SECONDS, 1.0):
-        for _ in range(20):
-            retries.begin(seconds)
-            assert retries.take(seconds) == max(2 * seconds, retries.least)
-    assert retries.take(SECONDS) == 0
-
-
-def test_a_runs_second_chances_end(server, assignment, tmp_path, monkeypatch):
-    calls, retries = timed_calls(monkeypatch, assignment), Retries(1.25, least=0.0)
-    slow = {"double": "import time\ndef double(x):\n    time.sleep(1000)"}
-    for number in range(4):
-        path = chain.hand_in(tmp_path, f"s{number}", chain.notebook(slow, extra=f"n = {number}"))
-        submission = Submission(f"s{number}", chain.LESSON, path)
-        result = grade(submission, assignment.within(0.25), server, retries=retries)
-        assert of(result, "double").state == "timed out"
-    assert calls.count(("double", 0.5)) == 2 and retries.seconds == 0.25
 
 
 def test_all_tries_of_a_submission_have_its_time_together(server, assignment, tmp_path, monkeypatch):
@@ -614,7 +523,40 @@ def test_all_tries_of_a_submission_have_its_time_together(server, assignment, tm
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     grade(Submission("ada", chain.LESSON, path), assignment, server)
     (_, first), (_, second) = seen
-    assert first is second and first.own.spent > 0 and first.own.seconds == 120.0
+    assert first is second and first.own[tries_module.LOADING].total > 0
+
+
+def test_what_one_exercise_uses_up_takes_nothing_from_the_others(marked, monkeypatch):
+    monkeypatch.setattr(tries_module, "SECONDS_IN_ALL", 15.0)
+    result = marked({"double": "import time\ndef double(x):\n    time.sleep(1000)"})
+    assert states(result) == dict.fromkeys(chain.RIGHT, "right") | {"double": "timed out"}
+    assert of(result, "both").with_reference and not of(result, "total").with_reference
+    assert "took too long together" in of(result, "double").text and "longer than" not in str(result)
+
+
+def test_what_could_not_be_run_is_not_called_slow_and_the_reason_is_named(marked, monkeypatch):
+    monkeypatch.setattr(tries_module, "SECONDS_IN_ALL", 10.0)
+    dies = {name: f"import os\ndef {name}(x):\n    os._exit(3)" for name in list(chain.RIGHT)[:3]}
+    result = marked(content=chain.notebook(dies, extra="import time\ntime.sleep(2)"))
+    assert states(result) == dict.fromkeys(chain.RIGHT, "died") | {"total": "not run"}
+    reason = "Not run, because loading the notebook used up the time of the submission"
+    assert of(result, "total").text.startswith(reason) and f"total: {reason}" in " ".join(result.notes)
+    assert "long" not in str(of(result, "total").public)
+
+
+def test_an_exercise_does_not_pay_for_files_that_another_one_left_open(marked):
+    leaks = """
+import os
+LEFT = []
+def double(x):
+    try:
+        while True:
+            LEFT.append(os.open(os.devnull, os.O_RDONLY))
+    except OSError:
+        return 2 * x
+"""
+    opens = "def plus_one(x):\n    with open('mine.txt', 'w'):\n        return x + 1"
+    assert set(states(marked({"double": leaks, "plus_one": opens})).values()) == {"right"}
 
 
 def test_a_comparison_that_cannot_gather_the_answers_costs_that_exercise_alone(server, assignment, tmp_path):
@@ -631,17 +573,6 @@ def test_a_comparison_that_cannot_gather_the_answers_costs_that_exercise_alone(s
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     result = grade(Submission("ada", chain.LESSON, path), replace(assignment, tasks=tuple(tasks)), server)
     assert states(result) == dict.fromkeys(chain.RIGHT, "right") | {"double": "no usable answer"}
-
-
-def test_a_submission_has_one_vain_retry_in_all_tries(server, assignment, tmp_path, monkeypatch):
-    calls, retries = timed_calls(monkeypatch, assignment), Retries(100.0, least=0.0)
-    endless = "import os, time\ndef double(x):\n    time.sleep(1000)"
-    dies = "import os\ndef plus_one(x):\n    os.kill(os.getpid(), 9)"
-    path = chain.hand_in(tmp_path, "ada", chain.notebook({"double": endless, "plus_one": dies}))
-    result = grade(Submission("ada", chain.LESSON, path), assignment.within(0.25), server, retries=retries)
-    assert states(result)["plus_one"] == "died", "so that there were several tries"
-    assert calls.count(("double", 0.25)) >= 2 and calls.count(("double", 0.5)) == 1
-    assert retries.seconds == 99.5
 
 
 DIES = "import os\nn = []\ndef double(x):\n    n.append(x.shape)\n    {}\n    return 2 * x"

@@ -3,7 +3,6 @@
 import pickle
 import tracemalloc
 from dataclasses import replace
-from itertools import count
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,10 +15,9 @@ from nao_course.exercises.checking import Checks, pack, unpack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import PublicLesson
 from nao_course.exercises.running import Outcome
-from nao_course.instructor.autograding import grader as grader_module
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import SubmissionGrader, grade
-from nao_course.instructor.autograding.tries import Allowances, Retries
+from nao_course.instructor.autograding.tries import Allowances
 from nao_course.instructor.collecting.files import Files
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.student import notebooks as student
@@ -89,14 +87,17 @@ def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
 
     task = next(task for task in assignment.tasks if task.public.name == "draw")
     public = replace(task.public, comparison=Many())
-    clock = count()
-    monkeypatch.setattr(grader_module.time, "monotonic", lambda: float(next(clock)))
-    worker = SimpleNamespace(call=lambda *_: Outcome("value", 1.0))
-    grader = SubmissionGrader(
-        worker, replace(assignment, seconds=10.0), None, None, lambda: False, None, Allowances()
-    )
-    assert grader.answer(public, task.hidden[0], public.seconds).status == "timed out"
-    assert next(clock) < 20
+    grader = SubmissionGrader(None, assignment, Files(b"{}"), None, lambda: False, Allowances(values.RIGHT))
+    given = []
+
+    def call(name, case, driver, seconds):
+        given.append(seconds)
+        grader.shares[name].spend(0.75)
+        return Outcome("value", 1.0)
+
+    grader.worker = SimpleNamespace(call=call)
+    assert grader.answer(replace(public, seconds=10.0), task.hidden[0]).status == "timed out"
+    assert given == [10.0 - 0.75 * n for n in range(14)]
 
 
 def test_large_answers_are_judged_as_they_come_and_not_kept(assignment):
@@ -105,7 +106,7 @@ def test_large_answers_are_judged_as_they_come_and_not_kept(assignment):
         task, hidden=task.hidden[:1] * 40, public=replace(task.public, cases=task.public.cases[:1] * 4)
     )
     worker = SimpleNamespace(call=lambda *_: Outcome("value", np.zeros(2**18)))
-    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, Retries(), Allowances())
+    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, Allowances(values.RIGHT))
     tracemalloc.start()
     assert grader.hidden(many).state == "wrong"
     lines, last = grader.public(many.public)

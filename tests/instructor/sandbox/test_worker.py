@@ -17,7 +17,7 @@ from nao_course.exercises import Case
 from nao_course.exercises.comparisons.jacobians import evaluated
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.sandbox import worker as module
-from nao_course.instructor.sandbox.protocol import Allowance
+from nao_course.instructor.sandbox.protocol import USED_UP, Allowance
 from nao_course.instructor.sandbox.worker import Worker
 from tests.toy import toy
 
@@ -540,7 +540,7 @@ def test_a_submission_has_a_total_of_time(notebook, server):
         assert worker.call("sleeps", ONE).text == "no answer within 0.4 s"
         assert worker.allowance.spent >= worker.allowance.seconds - 0.7
         worker.allowance.spent = worker.allowance.seconds
-        assert worker.call("sleeps", ONE).text == "the time that one submission may take is used up"
+        assert worker.call("sleeps", ONE).text == USED_UP
 
 
 def test_a_notebook_that_cannot_be_loaded_is_no_burden_however_often_it_is_called(tmp_path, server):
