@@ -40,7 +40,7 @@ OF_A_WORKER = {
     **SINGLE_THREADED,
 }
 SECONDS_IN_ALL = 120.0  # for one submission's own code, all tries and processes together
-USED_UP = "the time that it may take in all is used up"
+USED_UP = "the time that it may take is used up"
 WAITING_IS_FREE = 0.95  # the part of a worker's time in the queue for a processor that is not counted
 _RESOLUTION = 1e-3  # s
 _MOST_OVERDUE = (

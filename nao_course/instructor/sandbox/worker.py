@@ -240,7 +240,7 @@ class Worker:
         allowance: Allowance | None = None,
         seconds: float | None = None,
     ) -> Iterator[None]:
-        """Send a request, and count the time that the worker takes in the block: for loading unless said otherwise."""
+        """Send a request, and count the worker's time in the block: for loading unless said otherwise."""
         allowance = allowance or self.loading or self.allowance
         most = self.seconds if seconds is None else seconds
         left = allowance.left(most)

@@ -67,10 +67,8 @@ class RandomStates:
     """
 
     def __init__(self) -> None:
-        self.seed_python, self.seed_numpy = (
-            random.seed,
-            np.random.seed,
-        )  # before students' code can replace them
+        # Kept, because a student's code can replace them
+        self.seed_python, self.seed_numpy = random.seed, np.random.seed
         numpy.random.bit_generator.randbits = random.getrandbits  # type: ignore[attr-defined]
 
     def set(self, request: bytes | bytearray) -> None:

@@ -79,13 +79,14 @@ def process_state():
 @pytest.mark.skipif(sys.platform == "win32", reason="a crash opens a dialogue")
 @pytest.mark.parametrize("lesson", LESSONS)
 def test_copies_of_one_submission_have_one_result(lesson, warm_server, tmp_path):
+    runs = RUNS[: 3 if lesson in QUICK else None]
     course, level = load_course(PROJECT), warm_server.sandbox.level
     assignment = prepare(course, lesson, b"x" * 32)
     name = next((task.public.name for task in assignment.tasks if not task.public.driver), "")
     hand_in(tmp_path / "in", lesson, name or assignment.tasks[0].public.name)
     found = of_lessons(gather(tmp_path / "in", tmp_path, course.names()), [lesson])
     results, tables, before = {kind: [] for kind in BESIDE}, [], process_state()
-    for number, (jobs, workers) in enumerate(RUNS):
+    for number, (jobs, workers) in enumerate(runs):
         random.Random(number).shuffle(found)
         with ExitStack() as stack:
             journal = stack.enter_context(Journal(tmp_path / f"grades{number}"))
@@ -114,7 +115,7 @@ def test_copies_of_one_submission_have_one_result(lesson, warm_server, tmp_path)
             assert workers or process_state() == before  # Dask draws numbers
     assert all(table == tables[0] for table in tables)
     for kind, equal in results.items():
-        assert len(equal) == len(RUNS) * COPIES.count(kind)
+        assert len(equal) == len(runs) * COPIES.count(kind)
         assert all(each == equal[0] for each in equal), [kind, *(each for each in equal if each != equal[0])][
             :2
         ]
