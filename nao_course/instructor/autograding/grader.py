@@ -183,7 +183,7 @@ def _grade(
             versions = {"python": found.python} if numbers(found.python) > (0, 0) else {}
             newer = newer_than_here(versions)
             exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
-            exercises = with_answers(exercises, notebook)
+            exercises = with_answers(exercises, files.notebook)
             too_slow = tuple(
                 f"{each.name}: {each.text}" for each in exercises if each.state in ("timed out", "not run")
             )

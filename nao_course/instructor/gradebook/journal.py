@@ -247,15 +247,15 @@ class Journal:
             )
             # Decisions on a whole submission are for its answers, as soon as their fingerprints are known.
             for table in ("overrides", "requests"):
-                self._database.executemany(
-                    f"UPDATE {table} SET decided_on = ? WHERE student = ? AND lesson = ? AND exercise = ? "
-                    "AND decided_on = ?",
-                    [
-                        (each.answer, *key, each.name, result.submission)
-                        for each in result.exercises
-                        if each.answer and result.submission
-                    ],
-                )
+                which = f"{table} WHERE student = ? AND lesson = ? AND decided_on = ?"
+                decided = (*key, result.submission)
+                for (exercise,) in self._database.execute(
+                    f"SELECT exercise FROM {which}", decided
+                ).fetchall():
+                    self._database.execute(
+                        f"UPDATE {which.replace(' WHERE', ' SET decided_on = ? WHERE')} AND exercise = ?",
+                        (result.answer_to(exercise), *decided, exercise),
+                    )
 
     def results(self, lesson: str | None = None) -> list[SubmissionResult]:
         """Return what counts, in the order of students and lessons."""
