@@ -1,6 +1,9 @@
-"""How fast a class is graded: ``nao-course grade`` on 200 submissions of lesson 01 beside nbgrader on 20 of the same.
+"""How fast a class is graded: ``nao-course grade`` on 200 submissions of lesson 01 beside nbgrader on some of the same.
 
-``python -m benchmarks grading`` runs both, one after the other on the same machine.
+``python -m benchmarks grading`` runs both, one after the other on the same machine. nbgrader gets as many notebooks as
+it can grade in five minutes, at most 20.
+``python -m benchmarks.course.grading beside FOLDER`` alternates with another build of the course in FOLDER, such as a
+git worktree, and says how busy the machine was.
 ``python -m benchmarks.course.grading 5000`` grades that many in one go and says how memory grows; with a second number,
 each notebook has stored outputs of so many MB.
 """
@@ -35,6 +38,8 @@ from nao_course.instructor.gradebook.journal import Journal
 T = TypeVar("T")
 LESSON = "01_hsl_filtering"
 CLASS, PEERS = 200, 20
+PEER_SECONDS = 300.0  # for all notebooks that nbgrader grades
+ROUNDS = 3  # of two builds side by side
 KINDS = ("right", "half right", "wrong", "right", "blank")  # in turn: a fifth each, the right ones two
 WRONG = {  # what students write: a mistake of the catalogue each
     "average_lightness": "return float(lightness.mean())",
@@ -107,7 +112,13 @@ def with_outputs(text: str, size: int) -> str:
 
 
 def watched(
-    submissions: Path, grades: Path, jobs: int, measure: Callable[[int], T], *words: str, every: float = EVERY
+    submissions: Path,
+    grades: Path,
+    jobs: int,
+    measure: Callable[[int], T],
+    *words: str,
+    every: float = EVERY,
+    root: Path = ROOT,
 ) -> tuple[float, list[tuple[float, T]]]:
     """Run the grading command as an assistant does, and measure it all the time.
 
@@ -123,6 +134,8 @@ def watched(
         Further options of the command.
     every : float
         Time between two measurements, s.
+    root : Path
+        Folder of the course that grades.
 
     Returns
     -------
@@ -136,8 +149,8 @@ def watched(
     start = time.monotonic()
     process = subprocess.Popen(
         [sys.executable, "-m", "nao_course.cli", *words],
-        cwd=ROOT,
-        env=environment,
+        cwd=root,
+        env=environment | {"PYTHONPATH": str(root)},
         stdout=subprocess.PIPE,
         text=True,
     )
@@ -153,9 +166,9 @@ def watched(
     return seconds, seen
 
 
-def grade(submissions: Path, grades: Path, jobs: int) -> dict[str, Any]:
-    """Grade a class, and measure the memory of all processes."""
-    seconds, seen = watched(submissions, grades, jobs, lambda pid: (pss_mb(pid), own_mb(pid)))
+def grade(submissions: Path, grades: Path, jobs: int, root: Path = ROOT) -> dict[str, Any]:
+    """Grade a class with the course in a folder, and measure the memory of all processes."""
+    seconds, seen = watched(submissions, grades, jobs, lambda pid: (pss_mb(pid), own_mb(pid)), root=root)
     with Journal(grades) as journal:
         results = journal.results()
     each = np.array([result.seconds for result in results]) * 1000
@@ -199,7 +212,7 @@ def own_mb(pid: int) -> float:
 
 
 def nbgrader(submissions: Path, folder: Path) -> dict[str, float]:
-    """Let nbgrader autograde some of the same submissions, without the time for making the assignment."""
+    """Let nbgrader autograde as many of the submissions as its first one allows, without making the assignment."""
     (folder / "source" / LESSON).mkdir(parents=True)
     shutil.copy(ROOT / "solutions" / f"{LESSON}.ipynb", folder / "source" / LESSON)
     environment = {
@@ -207,11 +220,12 @@ def nbgrader(submissions: Path, folder: Path) -> dict[str, float]:
         "PYTHONPATH": str(ROOT),
         "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
     }
-    chosen = sorted(submissions.iterdir())[:PEERS]
-    for student in chosen:
-        target = folder / "submitted" / student.name / LESSON
-        target.mkdir(parents=True)
-        shutil.copy(student / f"{LESSON}.ipynb", target)
+
+    def hand_in(students: list[Path]) -> None:
+        for student in students:
+            target = folder / "submitted" / student.name / LESSON
+            target.mkdir(parents=True)
+            shutil.copy(student / f"{LESSON}.ipynb", target)
 
     def say(*words: str) -> float:
         command = [sys.executable, "-m", "nbgrader", *words, f"--CourseDirectory.root={folder}"]
@@ -224,7 +238,12 @@ def nbgrader(submissions: Path, folder: Path) -> dict[str, float]:
         return time.monotonic() - start
 
     say("generate_assignment", LESSON)
-    seconds = say("autograde", LESSON, "--ExecutePreprocessor.timeout=120")
+    first, *others = sorted(submissions.iterdir())[: PEERS + 1]
+    options = (LESSON, "--ExecutePreprocessor.timeout=120")
+    hand_in([first])
+    chosen = others[: max(1, int(PEER_SECONDS / say("autograde", *options)))]
+    hand_in(chosen)
+    seconds = say("autograde", *options)  # without the first one, which is graded
     return {"submissions": len(chosen), "seconds in all": seconds, "per minute": 60 * len(chosen) / seconds}
 
 
@@ -266,6 +285,32 @@ def main() -> Result:
     return Result("grading", values, (Table(title, columns, tuple(rows)),), notes)
 
 
+def beside(other: Path) -> Result:
+    """Grade a class with two builds in turn."""
+    rates: dict[str, list[float]] = {"before": [], "now": []}
+    loads = []
+    with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as name:
+        folder = Path(name)
+        lay_out(folder / "class", CLASS)
+        for number in range(ROUNDS):
+            for build, root in (("before", other), ("now", ROOT)):
+                loads.append(os.getloadavg()[0])
+                run = grade(folder / "class", folder / f"{build}{number}", DEFAULT_JOBS, root)
+                rates[build].append(run["per minute"])
+    best = {build: max(each) for build, each in rates.items()}
+    rows = tuple(
+        (build, best[build], ", ".join(f"{rate:.0f}" for rate in each)) for build, each in rates.items()
+    )
+    note = (
+        f"{best['now'] / best['before']:.2f} times the build before. The load before the runs was "
+        f"{', '.join(f'{load:.1f}' for load in loads)} on {os.cpu_count()} cores."
+    )
+    table = Table(
+        f"{CLASS} submissions, {DEFAULT_JOBS} jobs", ("build", "best, per minute", "all runs"), rows
+    )
+    return Result("grading_beside", {"per minute": rates, "load": loads}, (table,), (note,))
+
+
 def many(number: int, megabytes: float = 0.0) -> Result:
     """Grade thousands of submissions at once, and measure memory and pace in each fifth of the run."""
     with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as name:
@@ -290,6 +335,9 @@ def many(number: int, megabytes: float = 0.0) -> Result:
 
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    result = many(int(sys.argv[1]), *map(float, sys.argv[2:])) if len(sys.argv) > 1 else main()
-    result.show(Console(width=110))
-    result.save()
+    if sys.argv[1:2] == ["beside"]:
+        beside(Path(sys.argv[2]).resolve()).show(Console(width=110))
+    else:
+        result = many(int(sys.argv[1]), *map(float, sys.argv[2:])) if len(sys.argv) > 1 else main()
+        result.show(Console(width=110))
+        result.save()

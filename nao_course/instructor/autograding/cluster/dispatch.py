@@ -31,6 +31,9 @@ from nao_course.instructor.gradebook.records import SubmissionResult
 
 SECONDS_TO_CONNECT = 15.0
 SECONDS_FOR_A_WORKER = 60.0  # until the first one joins
+MOST_HELD = (
+    64 * 2**20
+)  # bytes of submissions on their way; from then on, none is sent until a result is there
 _SECONDS_BETWEEN_UPDATES = 1.0  # of the list of workers
 _CONFIGURATION = {"distributed.admin.large-graph-warning-threshold": "1GB"}  # a notebook may have 50 MB
 _LEAVE_CONTROL_C_TO_THE_GRADER = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
@@ -60,12 +63,14 @@ class Cluster:
     _refused: dict[str, str] = field(default_factory=dict, init=False, repr=False)
     _admitted: dict[str, int] = field(default_factory=dict, init=False, repr=False)
     _assignments: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
+    _held: int = field(default=0, init=False, repr=False)  # bytes of submissions without a result
+    _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
     _ended: threading.Event = field(default_factory=threading.Event, init=False, repr=False)
 
     @property
     def most(self) -> int:
-        """How many submissions may wait or run, so that no worker waits for the grader."""
-        return 2 * max(1, sum(self._admitted.values()))
+        """How many submissions may wait or run, so that no worker waits for the grader and its memory is bounded."""
+        return 0 if self._held >= MOST_HELD else 2 * max(1, sum(self._admitted.values()))
 
     def submit(self, submission: Submission, assignment: Assignment) -> Future[SubmissionResult]:
         """Send a submission to any admitted worker.
@@ -84,16 +89,29 @@ class Cluster:
         """
         executor = self.client.get_executor(pure=False, resources={self.requirement.resource: 1})
         if assignment.hash not in self._assignments:
-            parcel = AssignmentParcel.of(assignment)
             self._assignments[assignment.hash] = self.client.submit(
-                unpacked, parcel, pure=False, resources={self.requirement.resource: 1}
+                unpacked,
+                AssignmentParcel.of(assignment),
+                pure=False,
+                resources={self.requirement.resource: 1},
             )
         answer: Future[SubmissionResult] = Future()
-        sent = executor.submit(
-            grade_parcel, SubmissionParcel.of(submission), self._assignments[assignment.hash]
-        )
-        sent.add_done_callback(lambda done: _pass_on(done, answer, submission))
+        parcel = SubmissionParcel.of(submission)
+        size = parcel.size
+        self._hold(size)
+        sent = executor.submit(grade_parcel, parcel, self._assignments[assignment.hash])
+
+        def pass_on(done: Future[SubmissionResult]) -> None:
+            self._hold(-size)
+            _pass_on(done, answer, submission)
+
+        sent.add_done_callback(pass_on)
         return answer
+
+    def _hold(self, size: int) -> None:
+        """Count the bytes of a submission: grader and scheduler keep them until its result is there."""
+        with self._lock:
+            self._held += size
 
     def wait_for_workers(self, seconds: float = SECONDS_FOR_A_WORKER) -> None:
         """Wait until a worker is admitted.

@@ -47,6 +47,12 @@ class SubmissionParcel:
             return cls(replace(submission, reason=str(refused)))
         return cls(submission, notebook, helpers, tuple(map(cls.of, submission.earlier)))
 
+    @property
+    def size(self) -> int:
+        """Number of bytes of all its files."""
+        own = len(self.notebook) + sum(map(len, self.helpers))
+        return own + sum(each.size for each in self.earlier)
+
     @contextmanager
     def laid_out(self) -> Iterator[Submission]:
         """Write the files into a folder that is deleted in any case."""

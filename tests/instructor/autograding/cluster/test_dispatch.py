@@ -13,6 +13,7 @@ import time
 from concurrent.futures import CancelledError, Future
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import dask
 import psutil
@@ -485,3 +486,61 @@ def test_the_settings_of_the_page_encrypt_and_without_them_nobody_gets_in(course
 
 def test_the_versions_that_must_agree_are_those_that_the_journal_keeps(two_workers):
     assert two_workers.requirement.versions == installed()
+
+
+class FakeClient:
+    """A client of Dask whose workers and tasks are lists."""
+
+    def __init__(self):
+        self.threads, self.refusals, self.sent = {}, {}, []
+
+    def scheduler_info(self, n_workers):
+        return {"workers": {name: {"nthreads": threads} for name, threads in self.threads.items()}}
+
+    def run(self, admit, requirement, workers, on_error):
+        return {name: self.refusals.get(name, "") for name in workers}
+
+    def get_executor(self, **options):
+        return self
+
+    def submit(self, task, *arguments, **options):
+        self.sent.append(Future())
+        return self.sent[-1]
+
+
+@pytest.fixture
+def faked():
+    """Return a cluster with a fake client, and what it says."""
+    said = []
+    return Cluster(FakeClient(), Requirement("code", "versions", "level"), said.append), said
+
+
+def test_a_refused_worker_that_comes_back_is_tried_again_and_none_waits_for_the_grader(faked):
+    cluster, said = faked
+    cluster.client.threads, cluster.client.refusals = {"one": 3, "two": 2}, {"two": "it lacks something"}
+    for _ in range(2):
+        cluster.update_workers()
+    assert len(said) == 1 and "two" in said[0] and cluster.most == 2 * 3
+    cluster.client.threads, cluster.client.refusals = {"one": 3}, {}
+    cluster.update_workers()
+    cluster.client.threads = {"one": 3, "two": 2}
+    cluster.update_workers()
+    assert cluster.most == 2 * (3 + 2)
+
+
+def test_no_more_is_sent_than_fits_into_a_bounded_memory(faked, tmp_path):
+    cluster, _ = faked
+    cluster.client.threads = {"one": 30}
+    cluster.update_workers()
+    (notebook := tmp_path / "notebook").write_bytes(b" " * (dispatch.MOST_HELD // 3 + 1))
+    assignment = SimpleNamespace(hash="x", reference=notebook, earlier=())
+    answers = []
+    for number in range(3):
+        assert cluster.most == 2 * 30
+        answers.append(cluster.submit(Submission(f"s{number}", "01_toy", notebook), assignment))
+    _, *sent = cluster.client.sent  # the first task is the assignment
+    for task, answer in zip(sent, answers, strict=True):
+        assert cluster.most == (0 if task is sent[0] else 2 * 30)
+        task.set_result("a result")
+        assert answer.result(0) == "a result"
+    assert cluster.most == 2 * 30
