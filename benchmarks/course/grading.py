@@ -251,7 +251,7 @@ def nbgrader(submissions: Path, folder: Path) -> dict[str, float]:
 
 
 def main() -> Result:
-    """Grade a class of 200 with one job, with two and with the default number, and 20 of it with nbgrader."""
+    """Grade a class of 200 with one job, with two and with the default number, and some of it with nbgrader."""
     with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as name:
         folder = Path(name)
         lay_out(folder / "class", CLASS)
