@@ -155,8 +155,8 @@ def test_a_student_may_collect_a_limited_number_of_files_and_bytes_and_holes_sta
         file.truncate(2**20)
         file.seek(2**19)
         file.write(b"x = 1")
-    for name in "bcd":
-        (hub.ada / f"{name}.py").write_bytes(b"y" * 60)
+    for name, size in (("b", 60), ("c", 60), ("d", 10)):  # too many bytes with c, too many files with d
+        (hub.ada / f"{name}.py").write_bytes(b"y" * size)
     status, found = hub()
     ada, ben = hub.ada.parent.name, hub.ben.parent.name
     assert status == 1 and set(found) == {f"{ada}/a.py", f"{ada}/b.py", f"{ben}/{LESSON}"}
