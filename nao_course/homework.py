@@ -16,7 +16,7 @@ from typing import Any
 from nao_course._internal.renamed_names import with_new_names
 from nao_course.exercises import lesson_names
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
-from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
+from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 from nao_course.exercises.versions import installed_versions
 
 __all__ = ["NOTEBOOKS", "RELEASE", "REQUEST", "Receipt", "Renewal", "renew", "submit", "zipped"]

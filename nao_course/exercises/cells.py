@@ -1,4 +1,4 @@
-"""The source and the metadata of a notebook's cells."""
+"""The source, the metadata and the role of a notebook's cells."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Any
 
 # Roles of cells that only display something and define nothing.
 SHOWN = ("display", "example", "payoff")
-# Roles of cells that the grader does not run, and of all cells that a student does not write. A cell with any other
-# role, also an unknown one, is the student's.
-NOT_RUN = ("check", *SHOWN)
+# Roles of cells that the grader does not run, and of all cells that are as they were released. A cell with any other
+# role, also an unknown one, is the student's. Of the set-up, the grader runs the imports.
+NOT_RUN = ("check", "written", *SHOWN)
 GIVEN = ("setup", *NOT_RUN)
 
 
@@ -46,6 +46,18 @@ def is_solution(cell: Mapping[str, Any]) -> bool:
 def is_graded(cell: Mapping[str, Any]) -> bool:
     """Return whether the cell earns points: a check or a written answer."""
     return bool(metadata(cell, "nbgrader").get("grade"))
+
+
+def stated_role(cell: Mapping[str, Any]) -> str:
+    """Return the role that a cell's metadata state: "solution" or one of `GIVEN`; empty if they state none."""
+    if is_solution(cell):
+        return "written" if is_graded(cell) else "solution"
+    if is_graded(cell):
+        return "check"
+    role = metadata(cell, "nao_course").get("role")
+    if role == "exercise":
+        return "solution"
+    return role if isinstance(role, str) and role in GIVEN else ""
 
 
 def source_of(cell: Mapping[str, Any]) -> str:

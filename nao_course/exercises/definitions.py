@@ -4,9 +4,7 @@ from __future__ import annotations
 import __future__
 
 import ast
-import json
 import linecache
-import math
 import re
 import sys
 import warnings
@@ -16,20 +14,16 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
-from nao_course._internal.text_encodings import NotTextError, decode_text
 from nao_course.exercises import earlier as earlier_lessons
-from nao_course.exercises.cells import GIVEN, NOT_RUN, grade_id, is_graded, is_solution, metadata, source_of
+from nao_course.exercises.cells import GIVEN, NOT_RUN
+from nao_course.exercises.notebook_text import NotebookText, read_notebook
+from nao_course.exercises.outline import UNKNOWN, Outline
 from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
+from nao_course.exercises.statements import Program, is_doubled, is_under_main, parse, targets, unwritten
 from nao_course.exercises.versions import numbers
 
-MOST_BYTES = 50 * 2**20
-LARGEST_CODE = 12 * 2**20  # bytes of a notebook without its outputs
-# Number of Python files beside a notebook that are included, and their largest size in bytes.
-MOST_HELPERS, LARGEST_HELPER = 20, 2**20
-# Characters of a cell with commands of IPython, which parses the cell again for each command.
-LONGEST_COMMANDED = 20_000
-LONGEST_NUMBER = 1000  # digits
-MOST_WRITTEN = 2**16  # characters of a written answer
+MOST_ANALYSED = 2**20  # characters of code; of a larger notebook, only statements of the types in _RUN run
+MOST_LISTED = 10  # cells that define one exercise
 NO_DEFINITION = "not a definition"
 _IMPORTS = (ast.Import, ast.ImportFrom)
 _RUN = (
@@ -48,13 +42,8 @@ _RUN = (
     ast.Match,
     getattr(ast, "TypeAlias", ast.Assign),  # since Python 3.12
 )
-# Methods that add to a list, set or dict.
-_FILLS = {"append", "extend", "insert", "add", "update", "setdefault"}
-_BLANKS = re.compile(r"([ \t]{99}|\n{99})[ \t\n]++")  # what goes beyond
-_EMPTY = re.compile(r"(?:[ \t\f\r]*+\n)*+")  # the empty lines at the beginning, which IPython drops
-_PASTED = re.compile(r"[ \t]|>>>|In \[")  # IPython removes a first line's indentation and copied prompts
-_CELL_MAGIC = re.compile(r"\s*%%(?:time|timeit|capture|prun)\b.*")  # magics that run the cell as Python
-_DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
+_CHECKED = re.compile(r"\bcheck\(\s*+[\"'](\w+)")
+_LONGEST_CHECK = 1000  # characters of a cell that is looked through for calls of check
 
 
 @dataclass(frozen=True)
@@ -76,29 +65,6 @@ class Skipped:
     reason: str
 
 
-@dataclass(frozen=True)
-class NotebookText:
-    """The contents of a notebook before any of its code runs.
-
-    Parameters
-    ----------
-    cells : list of (str, str)
-        Role and source of each code cell; roles are solution, setup, check, display and student.
-    written : mapping of str to str
-        Written answers by the name of their cell; at most MOST_WRITTEN characters each.
-    lesson, version : str
-        Lesson and version in the notebook's metadata; empty if they are missing.
-    python : str
-        Version of Python of the kernel that saved it, such as "3.11.7"; empty if it is missing.
-    """
-
-    cells: list[tuple[str, str]] = field(default_factory=list)
-    written: Mapping[str, str] = field(default_factory=dict)
-    lesson: str = ""
-    version: str = ""
-    python: str = ""
-
-
 @dataclass(frozen=True, eq=False)
 class Definitions(Mapping[str, Any]):
     """The functions and classes that a notebook defines, as a read-only mapping.
@@ -113,12 +79,15 @@ class Definitions(Mapping[str, Any]):
         Global namespace of the functions.
     text : NotebookText
         Further contents of the notebook.
+    remarks : mapping of str to tuple of str
+        What is unusual about the cells of an exercise or question, by its name: for the student and the assistant.
     """
 
     found: Mapping[str, Any]
     skipped: tuple[Skipped, ...] = ()
     namespace: dict[str, Any] = field(default_factory=dict, repr=False)
     text: NotebookText = field(default_factory=lambda: NotebookText(), repr=False)
+    remarks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Any:
         """Return a function or class."""
@@ -144,13 +113,25 @@ def load_definitions(
     setup: str = "",
     earlier: Callable[[str], Any] = not_asked_for,
     instead: Mapping[str, str] | None = None,
+    released: Outline = UNKNOWN,
 ) -> Definitions:
     """Load the functions and classes that a notebook defines.
 
-    The statements of solution cells and of cells that the student added run in document order: imports, definitions,
-    assignments, calls such as `table.append(x)` and `exec(text)`, and if, for, try, with and match statements. An error
-    in one of them does not stop the others. From the set-up cell, only imports and ``name = earlier("01:name")`` run.
-    Checks and demonstrations do not run. The last definition of a name is used.
+    The statements of solution cells and of cells that the student added run in document order:
+
+    - imports, definitions, assignments, and if, for, try, with and match statements;
+    - any other statement, such as ``T.sort()``, ``fill(T)``, ``del T["b"]`` or a while statement, if it may change
+      something that an exercise depends on, and so ``if __name__ == "__main__":``. Calls that only show or check
+      something do not run.
+
+    An error in one statement does not stop the others. From the set-up cell, only imports and
+    ``name = earlier("01:name")`` run. Checks and demonstrations do not run; a statement of a cell that the student has
+    changed runs if an exercise depends on it.
+
+    The last definition of a name is used, with two exceptions. A blank definition of an exercise, or one with more
+    blank methods, does not replace an earlier one. If a cell deletes what an exercise depends on, or gives its name to
+    another value, after the exercise's last check, then the value at that check is used; a function or class is
+    replaced by a later function or class only.
 
     Parameters
     ----------
@@ -166,6 +147,8 @@ def load_definitions(
     instead : mapping of str to str, optional
         Sources by class name. A source runs in place of the notebook's definition of the class, or at the end if the
         notebook does not define it.
+    released : Outline
+        As in `read_notebook`.
 
     Returns
     -------
@@ -181,56 +164,200 @@ def load_definitions(
     TimeIsUp
         If the time of an `alarm` around it is up.
     """
-    text = read_notebook(path)
-    missing = dict(instead or {})
-    module = ModuleType(f"notebook_{Path(path).stem}")
-    sys.modules[module.__name__] = module  # dataclasses look up the module they are made in
-    namespace = module.__dict__
-    defined: dict[str, None] = {}
-    skipped: list[Skipped] = []
-    # Since Python 3.14, an annotation may name what is defined later, or nowhere.
-    flags = __future__.annotations.compiler_flag if numbers(text.python) >= (3, 14) else 0
-    for number, (role, source) in enumerate([("setup", setup), *text.cells, ("instead", "pass")]):
-        if role in NOT_RUN or not source.strip():
-            continue
-        file = f"<{Path(path).stem}, cell {number}>"
-        linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
-        try:
-            statements = parse(source, file)
-        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            skipped.append(Skipped(number, getattr(error, "lineno", 0) or 0, describe(error)))
-            continue
-        for statement, origin in _with_others(statements, file, role, instead or {}, missing):
-            imports = isinstance(statement, _IMPORTS)
-            if role == "setup" and not imports:
-                if (number == 0 or not setup) and (use := earlier_lessons.assigned_use(statement)):
-                    try:
-                        namespace[use[0]] = earlier(use[1])
-                    except Exception as error:  # noqa: BLE001 - an unknown lesson, or a lesson that cannot be loaded
-                        skipped.append(Skipped(number, statement.lineno, describe(error)))
+    text = read_notebook(path, released)
+    loading = _Loading(Path(path), text, setup, released)
+    loading.run(before, earlier, dict(instead or {}))
+    return loading.definitions()
+
+
+class _Loading:
+    """A notebook while its statements run."""
+
+    def __init__(self, path: Path, text: NotebookText, setup: str, released: Outline) -> None:
+        self.path, self.text, self.has_setup = path, text, bool(setup)
+        self.cells = [("setup", setup), *text.cells, ("instead", "pass")]
+        module = ModuleType(f"notebook_{path.stem}")
+        sys.modules[module.__name__] = module  # dataclasses look up the module they are made in
+        self.namespace = module.__dict__
+        # Since Python 3.14, an annotation may name what is defined later, or nowhere.
+        self.flags = __future__.annotations.compiler_flag if numbers(text.python) >= (3, 14) else 0
+        self.defined: dict[str, None] = {}
+        self.skipped: list[Skipped] = []
+        self.parsed: dict[int, list[ast.stmt]] = {}
+        self.program = Program(self._all_statements())
+        checked = {name for role, source in text.cells for name in _checked(role, source)}
+        self.exercises = released.exercises or checked
+        self.needed = self.program.needed_by(released.exercises or self.program.bound)
+        self.functions: dict[str, tuple[Any, int]] = {}  # the last one of each exercise, and its cell
+        self.versions: dict[str, dict[int, None]] = {}  # cells that define an exercise
+        self.at_check: dict[str, dict[str, Any]] = {}  # values that an exercise depends on, at its check
+        self.blanks: dict[str, int] = {}  # blank parts of each exercise's definition
+        self.set_in: dict[str, int] = {}  # the last cell that set a name
+
+    def _all_statements(self) -> Iterator[ast.stmt]:
+        """Parse the cells of a notebook of normal size, and yield their statements; of others, the imports."""
+        if sum(len(source) for _, source in self.cells) > MOST_ANALYSED:
+            return
+        for number, (role, source) in enumerate(self.cells):
+            if role in NOT_RUN:
                 continue
-            if not isinstance(statement, _RUN) and not _may_define(statement):
-                if not _is_text(statement):
-                    skipped.append(Skipped(number, statement.lineno, NO_DEFINITION))
-                continue
-            if not before(number, statement.lineno):
-                skipped.append(Skipped(number, statement.lineno, "left out"))
-                continue
-            held = dict(namespace)
             try:
-                code = _compile(statement, origin, flags)
-                flags |= code.co_flags & __future__.annotations.compiler_flag
-                exec(code, namespace)
-            except (KeyboardInterrupt, TimeIsUp):
-                raise
-            except BaseException as error:  # noqa: BLE001 - whatever it raises, the next statement runs
-                skipped.append(Skipped(number, statement.lineno, describe(error)))
-            changed = [name for name, value in namespace.items() if held.get(name, namespace) is not value]
-            if imports:
-                changed = [name for name in changed if _stands_beside(namespace[name], Path(path))]
-            defined.update(dict.fromkeys(changed))
-    found = {name: namespace[name] for name in defined if callable(namespace.get(name))}
-    return Definitions(found, tuple(skipped), namespace, text)
+                self.parsed[number] = parse(source, self._file(number))
+            except (SyntaxError, ValueError, RecursionError, MemoryError):
+                continue  # it is named where the cell would run
+            yield from (each for each in self.parsed[number] if role != "setup" or isinstance(each, _IMPORTS))
+
+    def _file(self, number: int) -> str:
+        return f"<{self.path.stem}, cell {number}>"
+
+    def run(
+        self, before: Callable[[int, int], bool], earlier: Callable[[str], Any], instead: dict[str, str]
+    ) -> None:
+        """Run the statements that define something."""
+        missing = dict(instead)
+        for number, (role, source) in enumerate(self.cells):
+            file = self._file(number)
+            if role in NOT_RUN:
+                self._note_checks(_checked(role, source))
+                continue
+            if not source.strip():
+                continue
+            linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
+            try:
+                statements = self.parsed.get(number) or parse(source, file)
+            except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+                self._skip_cell(number, source, error)
+                continue
+            for statement, origin in _with_others(statements, file, role, instead, missing):
+                if use := earlier_lessons.assigned_use(statement) if role in ("setup", "edited") else None:
+                    if number == 0 or not self.has_setup:
+                        self._define_earlier(number, statement, use, earlier)
+                elif role == "setup" and not isinstance(statement, _IMPORTS):
+                    continue
+                elif not self._runs(statement, role, origin):
+                    if not _is_text(statement):
+                        self._skip(number, statement, NO_DEFINITION)
+                elif not self._is_worse(statement, number):
+                    self._execute(number, statement, origin, before)
+                self._note_checks(_checks(statement))
+
+    def _runs(self, statement: ast.stmt, role: str, origin: str) -> bool:
+        """Return whether a statement may define something that is graded."""
+        if isinstance(statement, _RUN) and role != "edited" and not is_under_main(statement):
+            return True
+        return self.program.may_set(statement, self.needed)
+
+    def _is_worse(self, statement: ast.stmt, number: int) -> bool:
+        """Return whether a statement defines an exercise that has an earlier definition with fewer blank parts."""
+        name = getattr(statement, "name", "")
+        if name not in self.exercises:
+            return False
+        self.versions.setdefault(name, {})[number] = None
+        return name in self.functions and unwritten(statement) > self.blanks[name]
+
+    def _execute(
+        self, number: int, statement: ast.stmt, origin: str, before: Callable[[int, int], bool]
+    ) -> None:
+        """Run a statement, and record what it defines."""
+        if not before(number, statement.lineno):
+            self._skip(number, statement, "left out")
+            return
+        if isinstance(statement, ast.If) and is_under_main(statement):
+            statement.test = ast.copy_location(ast.Constant(True), statement)
+        held = dict(self.namespace)
+        try:
+            code = _compile(statement, origin, self.flags)
+            self.flags |= code.co_flags & __future__.annotations.compiler_flag
+            exec(code, self.namespace)
+        except (KeyboardInterrupt, TimeIsUp):
+            raise
+        except MemoryError as error:  # there may be none left for more than this
+            self._skip(number, statement, describe(error))
+            return
+        except BaseException as error:  # noqa: BLE001 - whatever it raises, the next statement runs
+            self._skip(number, statement, describe(error))
+        changed = [name for name, value in self.namespace.items() if held.get(name, held) is not value]
+        imported = isinstance(statement, _IMPORTS)
+        self.set_in.update(dict.fromkeys((*changed, *(held.keys() - self.namespace.keys())), number))
+        for name in changed:
+            value = self.namespace[name]
+            if imported and not _stands_beside(value, self.path):
+                continue
+            self.defined[name] = None
+            if name in self.exercises and callable(value):
+                self.functions[name], self.blanks[name] = (value, number), unwritten(statement)
+                self.versions.setdefault(name, {})[number] = None
+
+    def _define_earlier(
+        self, number: int, statement: ast.stmt, use: tuple[str, str], earlier: Callable[[str], Any]
+    ) -> None:
+        """Define a function of an earlier lesson."""
+        try:
+            self.namespace[use[0]] = earlier(use[1])
+        except Exception as error:  # noqa: BLE001 - an unknown lesson, or a lesson that cannot be loaded
+            self._skip(number, statement, describe(error))
+
+    def _skip(self, number: int, statement: ast.stmt, reason: str) -> None:
+        self.skipped.append(Skipped(number, statement.lineno, reason))
+
+    def _skip_cell(self, number: int, source: str, error: Exception) -> None:
+        """Record a cell that is not Python."""
+        reason = describe(error)
+        if is_doubled(source):
+            reason = f"{type(error).__name__}: the cell contains its text twice, so delete the second half"
+        self.skipped.append(Skipped(number, getattr(error, "lineno", 0) or 0, reason))
+
+    def _note_checks(self, names: Sequence[str]) -> None:
+        """Keep the values that exercises depend on, as they are where the exercises are checked."""
+        for name in names:
+            if name in self.exercises and name in self.functions:
+                needs = self.program.needed_by([name], without=self.exercises)
+                self.at_check[name] = {each: self.namespace[each] for each in needs if each in self.namespace}
+
+    def definitions(self) -> Definitions:
+        """Return what the notebook defines, after all of its statements have run."""
+        remarks: dict[str, dict[str, None]] = {}
+
+        def remark(name: str, text: str) -> None:
+            remarks.setdefault(name, {})[text] = None
+
+        for name, (function, cell) in self.functions.items():
+            if self.namespace.get(name) is not function:
+                self.namespace[name] = function
+                later = self.set_in.get(name, cell)
+                remark(
+                    name,
+                    f"Code cell {later} deletes the name {name} or gives it to something that is not a function. "
+                    f"The function of code cell {cell} is graded.",
+                )
+            if len(cells := self.versions[name]) > 1:
+                listed = ", ".join(map(str, list(cells)[:MOST_LISTED]))
+                remark(
+                    name,
+                    f"It is defined in code cells {listed}. The definition in code cell {cell} is graded.",
+                )
+        last = {each: value for values in self.at_check.values() for each, value in values.items()}
+        for each, value in last.items():
+            now = self.namespace.get(each)
+            if each in self.functions or now is value or (callable(value) and callable(now)):
+                continue
+            self.namespace[each] = value
+            for name, values in self.at_check.items():
+                if each in values and not _is_equal(values[each], now):
+                    version = "this" if values[each] is value else "the last"
+                    remark(
+                        name,
+                        f"It depends on {each}, which code cell {self.set_in.get(each, 0)} changes after the check. "
+                        f"It is graded with {each} as it was at {version} check.",
+                    )
+        found = {name: self.namespace[name] for name in self.defined if callable(self.namespace.get(name))}
+        for name, why in self.text.elsewhere.items():
+            if name not in found or self.blanks.get(name):
+                remark(name, why)
+        for name, why in self.text.remarks.items():
+            remark(name, why)
+        told = {name: tuple(texts) for name, texts in remarks.items()}
+        return Definitions(found, tuple(self.skipped), self.namespace, self.text, told)
 
 
 def demonstrated(cells: Sequence[tuple[str, str]]) -> list[str]:
@@ -260,210 +387,26 @@ def demonstrated(cells: Sequence[tuple[str, str]]) -> list[str]:
 def _assigned(source: str) -> Iterator[str]:
     """Yield the names that a cell assigns or defines, without its imports and its functions of earlier lessons."""
     for statement in parse(source, "<cell>"):
-        if isinstance(statement, ast.FunctionDef | ast.ClassDef):
-            yield statement.name
-        elif not earlier_lessons.assigned_use(statement):
-            yield from (
-                node.id
-                for node in ast.walk(statement)
-                if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-            )
+        if not earlier_lessons.assigned_use(statement):
+            yield from targets(statement)
 
 
-def read_cells(path: str | Path) -> list[tuple[str, str]]:
-    """Read a notebook's code cells as (role, source); roles are solution, setup, check, display and student."""
-    return read_notebook(path).cells
+def _checked(role: str, source: str) -> list[str]:
+    """Return the exercises that a released check is about."""
+    return _CHECKED.findall(source[:_LONGEST_CHECK]) if role == "check" else []
 
 
-def read_notebook(path: str | Path) -> NotebookText:
-    """Read the contents of a notebook.
-
-    Raises
-    ------
-    FileNotFoundError
-        If the file does not exist.
-    ValueError
-        If it is not a notebook; the message explains why.
-    """
-    file = Path(path)
-    if file.exists() and not file.is_file():
-        raise ValueError(f"{file.name}: not a file")
-    if file.stat().st_size > MOST_BYTES:
-        raise ValueError(f"{file.name}: a notebook may have at most {MOST_BYTES // 2**20} MB")
-    return _contents(file.name, file.read_bytes())[0]
+def _checks(statement: ast.stmt) -> list[str]:
+    """Return the exercise that a statement of the student's checks."""
+    match statement:
+        case ast.Expr(ast.Call(ast.Name("check"), [ast.Constant(str(name)), *_])):
+            return [name]
+    return []
 
 
-def without_outputs(name: str, content: bytes | bytearray) -> bytes:
-    """Return a notebook that holds only what is graded: its code, its written answers, and its lesson and version.
-
-    Parameters
-    ----------
-    name : str
-        Name of the file, for the message if it is not a notebook.
-    content : bytes
-        The notebook.
-
-    Raises
-    ------
-    ValueError
-        If it is not a notebook, or larger than LARGEST_CODE without its outputs; the message explains why.
-    """
-    text, notebook = _contents(name, content)
-    cells = [
-        {
-            "cell_type": cell["cell_type"],
-            "metadata": {key: metadata(cell, key) for key in ("nbgrader", "nao_course")},
-            "source": source_of(cell) if cell["cell_type"] == "code" else source_of(cell)[:MOST_WRITTEN],
-        }
-        for cell in _cells(notebook)
-        if cell.get("cell_type") == "code"
-        or (cell.get("cell_type") == "markdown" and grade_id(cell) in text.written)
-    ]
-    kept = {key: metadata(notebook, key) for key in ("kernelspec", "language_info", "nao_course")}
-    short = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": kept, "cells": cells}).encode()
-    if len(short) > LARGEST_CODE:
-        raise ValueError(f"{name}: its code and metadata may have at most {LARGEST_CODE // 2**20} MB")
-    return short
-
-
-def _contents(name: str, content: bytes | bytearray) -> tuple[NotebookText, dict[str, Any]]:
-    """Parse a notebook; return what is graded, and all of it."""
-    try:
-        notebook = json.loads(decode_text(content), parse_int=_whole_number)
-        cells = _cells(notebook)
-        code = [(_role(cell), source_of(cell)) for cell in cells if cell.get("cell_type") == "code"]
-        text = NotebookText(code, _written(cells), *_stamp(notebook))
-        language = _language(notebook)
-    except RecursionError:
-        raise ValueError(f"{name}: not a notebook of format 4 (it is nested too deeply)") from None
-    except (ValueError, TypeError, KeyError, AttributeError, MemoryError) as error:
-        raise ValueError(f"{name}: not a notebook of format 4 ({_why_unreadable(error)})") from None
-    if language and not any(_DEFINES.search(source) for _, source in code):
-        raise ValueError(f"{name}: expected a notebook in Python, got {language}")
-    return text, notebook
-
-
-class _NotebookError(ValueError):
-    """A reason in plain words why a file is not a notebook."""
-
-
-def _why_unreadable(error: Exception) -> str:
-    """Return the reason why a notebook cannot be read, without Python's own words."""
-    match error:
-        case _NotebookError():
-            return str(error)
-        case NotTextError(data=data):
-            return "it is compressed with gzip" if data[:2] == b"\x1f\x8b" else str(error)
-        case json.JSONDecodeError(doc=doc, pos=at, msg=message, lineno=line):
-            if not doc[at:].strip() or message.startswith("Unterminated"):
-                end = f"it is incomplete: it breaks off in line {line}; save it again with JupyterLab"
-                return end if doc.strip() else "it is empty"
-            return f"line {line} is not JSON, the format of notebooks; save it again with JupyterLab"
-        case MemoryError():
-            return "it is too large to be read; clear all outputs and save it again"
-    return "its cells or metadata are damaged; save it again with JupyterLab"
-
-
-def _whole_number(digits: str) -> float:
-    """Return a whole number, or infinity if it has too many digits: Python limits the digits of an int."""
-    return int(digits) if len(digits) < LONGEST_NUMBER else math.inf
-
-
-def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the cells, and leave out everything that cannot be a cell."""
-    if not isinstance(notebook, dict):
-        raise _NotebookError("it contains other data than a notebook; save it again with JupyterLab")
-    if notebook.get("nbformat", 4) != 4:
-        raise _NotebookError(f"its format is {str(notebook['nbformat'])[:20]}; save it again with JupyterLab")
-    if not isinstance(notebook.get("cells"), list):
-        raise _NotebookError("it has no list of cells; save it again with JupyterLab")
-    cells = [cell for cell in notebook["cells"] if isinstance(cell, dict)]
-    if notebook["cells"] and not any(_is_whole(cell) for cell in cells):
-        raise _NotebookError("none of its cells has a type and a source; save it again with JupyterLab")
-    return cells
-
-
-def _is_whole(cell: dict[str, Any]) -> bool:
-    source = cell.get("source")
-    lines = source if isinstance(source, list) else [source]
-    return isinstance(cell.get("cell_type"), str) and all(isinstance(line, str) for line in lines)
-
-
-def _language(notebook: dict[str, Any]) -> str:
-    """Return the language of a notebook's kernel if it is not Python."""
-    language = _text(metadata(notebook, "kernelspec").get("language") or "", 40)
-    return "" if "python" in language.lower() else language
-
-
-def _text(value: Any, most: int) -> str:
-    """Return a text that can be written to any file: without lone surrogates."""
-    return str(value)[:most].encode("utf-8", "replace").decode()
-
-
-def _written(cells: list[dict[str, Any]]) -> dict[str, str]:
-    """Return the written answers; the texts of several cells of one name are kept in their order."""
-    answers: dict[str, str] = {}
-    for cell in cells:
-        if cell.get("cell_type") == "markdown" and is_graded(cell) and is_solution(cell):
-            name = _text(grade_id(cell), 100)
-            answers[name] = _text(
-                "\n\n".join(filter(None, [answers.get(name), source_of(cell)])), MOST_WRITTEN
-            )
-    return answers
-
-
-def _stamp(notebook: dict[str, Any]) -> tuple[str, str, str]:
-    stamp, language = metadata(notebook, "nao_course"), metadata(notebook, "language_info")
-    python = _text(language.get("version", ""), 20) if language.get("name", "python") == "python" else ""
-    return _text(stamp.get("lesson", ""), 100), _text(stamp.get("version", ""), 100), python
-
-
-def _role(cell: dict[str, Any]) -> str:
-    if is_solution(cell):
-        return "solution"
-    if is_graded(cell):
-        return "check"
-    return str(metadata(cell, "nao_course").get("role", "student"))
-
-
-def parse(source: str, file: str) -> list[ast.stmt]:
-    """Parse a cell's statements; if it is not plain Python, parse it as IPython does, without IPython's commands."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about a student's escapes in strings: their own kernel tells them
-        try:
-            return ast.parse(source, file).body
-        except SyntaxError:
-            if len(source) > LONGEST_COMMANDED:
-                # A cat on the keyboard; lines are then counted without them
-                source = _BLANKS.sub(r"\1", source)
-            start = _EMPTY.match(source).end()  # type: ignore[union-attr]
-            commands = any(sign in source for sign in "%!?")
-            if len(source) > LONGEST_COMMANDED or not (commands or _PASTED.match(source, start)):
-                raise
-        tree = ast.parse(_as_ipython_reads(source), file)
-        return ast.fix_missing_locations(_WithoutCommands().visit(tree)).body
-
-
-def _as_ipython_reads(source: str) -> str:
-    """Return a cell as Python with unchanged line numbers."""
-    # The import takes half a second, and few notebooks need it.
-    from IPython.core.inputtransformer2 import TransformerManager
-
-    if found := _CELL_MAGIC.match(source):
-        source = "#\n" * found[0].count("\n") + "#" + source[found.end() :]
-    empty = _EMPTY.match(source)[0]  # type: ignore[index]
-    read: str = TransformerManager().transform_cell(source[len(empty) :])
-    return "\n" * empty.count("\n") + read
-
-
-class _WithoutCommands(ast.NodeTransformer):
-    """Transformer that removes IPython's commands; the value of a command becomes None."""
-
-    def visit_Call(self, node: ast.Call) -> ast.AST:
-        match node.func:
-            case ast.Attribute(ast.Call(ast.Name("get_ipython"))):
-                return ast.Constant(None)
-        return self.generic_visit(node)
+def _is_equal(one: Any, other: Any) -> bool:
+    """Return whether two plain numbers or texts are equal."""
+    return type(one) is type(other) and type(one) in (bool, int, float, str) and one == other
 
 
 def _with_others(
@@ -491,16 +434,6 @@ def _stands_beside(value: Any, notebook: Path) -> bool:
     """Return whether an object comes from a file of the student's own, in the notebook's folder."""
     file = getattr(sys.modules.get(getattr(value, "__module__", None) or ""), "__file__", None)
     return bool(file) and Path(str(file)).resolve().parent == notebook.resolve().parent
-
-
-def _may_define(statement: ast.stmt) -> bool:
-    """Return whether a statement adds to a list, set or dict that has a name, is `(name := value)`, or calls exec."""
-    match statement:
-        case ast.Expr(ast.NamedExpr() | ast.Call(ast.Name("exec"))):
-            return True
-        case ast.Expr(ast.Call(ast.Attribute(ast.Name(), name))):
-            return name in _FILLS
-    return False
 
 
 def _is_text(statement: ast.stmt) -> bool:

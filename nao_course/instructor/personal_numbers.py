@@ -13,8 +13,8 @@ from rich.progress import track
 
 from nao_course._internal.personal_world import PersonalWorld
 from nao_course._internal.tables import read_table
-from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.earlier import resolved_by
+from nao_course.exercises.notebook_text import read_cells
 from nao_course.instructor.authoring.course import Course
 from nao_course.instructor.authoring.plans import load_solution, solutions_beside
 from nao_course.instructor.autograding.assignment import library_digest

@@ -17,11 +17,12 @@ import numpy as np
 from nao_course.exercises.checking import grade_public, lessons, read_public, strict
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
-from nao_course.exercises.exercise import ANSWER_HERE, PublicExercise
+from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.failed_cells import where_reused, why_missing
 from nao_course.exercises.interactive import unattended
 from nao_course.exercises.judging import CheckState, Report, with_the_reason
 from nao_course.exercises.lesson_names import PATTERN, meant, number_of
+from nao_course.exercises.outline import read_outline
 from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.exercises.trying import Message
 from nao_course.exercises.versions import newer_than_here
@@ -143,7 +144,7 @@ def functions(
     alone = {each.name: _report(each, notebook, most_seconds) for each in public.exercises}
     reports = {each.name: with_the_reason(each, alone[each.name], alone) for each in public.exercises}
     right = {name: found[name] for name, report in reports.items() if report}
-    unwritten = [each.number for each in public.written if _blank(found.text.written.get(each.name, ""))]
+    unwritten = [each.number for each in public.written if not found.text.written.get(each.name)]
     wrong = tuple(report for report in reports.values() if not report)
     remarks = {name: report.lines[1:] for name, report in reports.items() if report}
     return StudentFunctions(
@@ -368,12 +369,15 @@ def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
 def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float = np.inf) -> Report:
     """Return the report of the public checks on an exercise in a notebook."""
     title = f"{exercise.number} {exercise.name}"
+    remarks = notebook.found.remarks.get(exercise.name, ())
     if notebook.problem:
         state: CheckState = "raised" if notebook.path.exists() else "not attempted"
         return Report(exercise.name, state, (f"{title}: {notebook.problem}",))
     if exercise.name not in notebook.found:
         cause = why_missing(exercise.name, notebook.failed, notebook.sources)
-        reasons = [cause] if cause else [f"Cell {each.cell}: {each.reason}." for each in notebook.failed]
+        reasons = [*filter(None, [cause]), *remarks] or [
+            f"Cell {each.cell}: {each.reason}." for each in notebook.failed
+        ]
         lines = (
             f"{title}: not found in {notebook.path.name}.",
             *reasons,
@@ -381,6 +385,7 @@ def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float =
         )
         return Report(exercise.name, "raised" if reasons else "not attempted", lines)
     report = _quietly_graded(exercise, notebook.found[exercise.name], most_seconds)
+    report = replace(report, lines=(*report.lines, *remarks))
     if not report:
         more = (*where_reused(report.lines, notebook.sources), *notebook.of_newer_versions(report.lines))
         report = replace(report, lines=(*report.lines, *more))
@@ -395,10 +400,6 @@ def _quietly_graded(exercise: PublicExercise, function: Any, most_seconds: float
         return grade_public(exercise, function, most_seconds)
 
 
-def _blank(answer: str) -> bool:
-    return answer.strip() in ("", ANSWER_HERE)
-
-
 @lru_cache(maxsize=32)
 def _definitions(path: Path, changed: int, others: tuple[int, ...]) -> Definitions:
     """Return the definitions of a notebook in its saved state, without its printed output."""
@@ -410,4 +411,4 @@ def _definitions(path: Path, changed: int, others: tuple[int, ...]) -> Definitio
         return earlier_in(path.parent)(use)
 
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()), unattended():
-        return load_definitions(path, earlier=before_this)
+        return load_definitions(path, earlier=before_this, released=read_outline(path.stem))

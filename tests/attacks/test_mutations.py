@@ -31,7 +31,7 @@ from nao_course.exercises import (
     judging,
 )
 from nao_course.exercises.comparisons.jacobians import jacobian
-from nao_course.exercises.definitions import read_notebook
+from nao_course.exercises.notebook_text import read_notebook
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding.failures import definition_lines
 from nao_course.instructor.collecting.archives import Refused

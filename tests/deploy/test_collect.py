@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from nao_course.exercises.definitions import MOST_BYTES
+from nao_course.exercises.notebook_text import MOST_BYTES
 from nao_course.instructor.collecting.submissions import gather
 from nao_course.instructor.reports.platforms import fill_sheet
 from tests.paths import PROJECT

@@ -11,13 +11,9 @@ from unittest.mock import MagicMock
 import pytest
 
 from nao_course.exercises import load_definitions
-from nao_course.exercises.definitions import (
-    LARGEST_CODE,
-    MOST_BYTES,
-    demonstrated,
-    read_notebook,
-    without_outputs,
-)
+from nao_course.exercises.definitions import demonstrated
+from nao_course.exercises.notebook_text import LARGEST_CODE, MOST_BYTES, read_notebook, without_outputs
+from nao_course.exercises.outline import UNKNOWN, read_outline
 from nao_course.exercises.running import alarm
 from tests.lessons.every import COURSE
 from tests.toy import toy
@@ -71,11 +67,11 @@ def test_nothing_else_runs(load):
     found = load(
         "import sys",
         "sys.modules['ran'] = 1",  # an assignment does run
-        "sys.modules.pop('ran')\nprint('x')\n1 / 0\nassert False\nraise SystemExit\nwhile True: pass\ndel sys",
+        "sys.modules.pop('ran')\nprint('x')\n1 / 0\nassert False\nraise SystemExit\nwhile True: pass",
         "'only a text'\n...",
     )
     assert sys.modules.pop("ran") == 1
-    assert [(each.cell, each.line) for each in found.skipped] == [(3, line) for line in range(1, 8)]
+    assert [(each.cell, each.line) for each in found.skipped] == [(3, line) for line in range(1, 7)]
     assert {each.reason for each in found.skipped} == {"not a definition"}
 
 
@@ -297,8 +293,12 @@ def test_a_warning_about_a_students_text_is_not_ours(load, recwarn):
     assert not recwarn.list
 
 
-def test_demonstrations_under_main_do_not_run(load):
-    assert load("if __name__ == '__main__':\n    def main(): pass").found == {}
+def test_under_main_runs_what_something_depends_on_as_in_a_notebook(load):
+    found = load(
+        "if __name__ == '__main__':\n    T = [1]\nif __name__ == '__main__':\n    1 / 0\ndef f(): return T"
+    )
+    assert found["f"]() == [1]
+    assert [(each.line, each.reason) for each in found.skipped] == [(3, "not a definition")]
 
 
 def test_a_traceback_shows_the_students_line(load):
@@ -377,7 +377,7 @@ def test_a_notebook_that_memory_does_not_suffice_for_is_refused_in_plain_words(t
     def greedy(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr("nao_course.exercises.definitions.json.loads", greedy)
+    monkeypatch.setattr("nao_course.exercises.notebook_text.json.loads", greedy)
     with pytest.raises(ValueError, match="it is too large to be read; clear all outputs"):
         load_definitions(written(tmp_path / "large.ipynb", b"{}"))
 
@@ -389,10 +389,10 @@ def test_a_number_of_any_length_in_the_metadata_costs_nothing(tmp_path):
 
 
 def test_a_table_that_is_filled_line_by_line_is_full_and_a_demonstration_does_not_run(load):
-    table = "T = []\nT.append(1)\nS = set()\nS.add(2)\nD = {}\nD.update(a=T[0])\nT.sort(key=print)\nprint(T.append(5))"
+    table = "T = []\nT.append(1)\nS = set()\nS.add(2)\nD = {}\nD.update(a=T[0])\nprint(T)"
     found = load(f"{table}\ndef f(): return T, S, D")
     assert found["f"]() == ([1], {2}, {"a": 1})
-    assert [each.line for each in found.skipped] == [7, 8]
+    assert [each.line for each in found.skipped] == [7]
 
 
 @pytest.mark.skipif(sys.version_info < (3, 12), reason="type statements came with Python 3.12")
@@ -490,17 +490,18 @@ def test_names_that_only_cells_assign_which_the_grader_does_not_run_are_listed()
 
 
 @pytest.mark.parametrize("name", COURSE.names())
-def test_a_notebook_without_its_outputs_has_the_same_contents_and_a_tenth_of_the_size(name, tmp_path):
+def test_a_notebook_without_its_outputs_has_the_same_contents_and_a_fifth_of_the_size(name, tmp_path):
     whole = COURSE.solutions / f"{name}.ipynb"
     short = tmp_path / whole.name
     short.write_bytes(without_outputs(whole.name, whole.read_bytes()))
-    assert read_notebook(short) == read_notebook(whole)
-    assert 10 * short.stat().st_size < whole.stat().st_size
+    for outline in (UNKNOWN, read_outline(name)):
+        assert read_notebook(short, outline) == read_notebook(whole, outline)
+    assert 5 * short.stat().st_size < whole.stat().st_size
 
 
 def test_a_notebook_without_its_outputs_may_not_be_large(tmp_path):
     notebook = toy.write(tmp_path / "own.ipynb", f"data = '{'x' * LARGEST_CODE}'")
-    with pytest.raises(ValueError, match="^own.ipynb: its code and metadata may have at most 12 MB$"):
+    with pytest.raises(ValueError, match="^own.ipynb: its code and texts may have at most 12 MB$"):
         without_outputs(notebook.name, notebook.read_bytes())
 
 

@@ -17,8 +17,9 @@ from nbgrader.preprocessors import ClearOutput, ClearSolutions, ComputeChecksums
 
 from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.exercise import ANSWER_HERE
+from nao_course.exercises.outline import outline_bytes
 from nao_course.instructor.authoring import lesson_text
-from nao_course.instructor.authoring.course import CHECKS, Course, LessonError
+from nao_course.instructor.authoring.course import CHECKS, OUTLINES, Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
 from nao_course.instructor.authoring.plans import PlanError
 from nao_course.instructor.authoring.proving.plan_checks import plan_warnings, use_problems
@@ -143,7 +144,9 @@ def build(
         files |= _check_data(solved, proofs, stage, tell)
         for name, notebook in solved.items():
             tell(name, "student copy")
-            files[Path("notebooks", f"{name}.ipynb")] = lesson_text.notebook_bytes(student_copy(notebook))
+            released = student_copy(notebook)
+            files[Path("notebooks", f"{name}.ipynb")] = lesson_text.notebook_bytes(released)
+            files[OUTLINES / f"{name}.json"] = outline_bytes(released.cells)
             files |= _images(course, name, notebook, to_come=solutions)
         ran = execute_all(solved, stage, tell) if execute and solutions else solved.items()
         for name, notebook in ran if solutions else ():
@@ -345,7 +348,12 @@ def _images(course: Course, name: str, notebook: NotebookNode, *, to_come: bool)
 def _stale(course: Course) -> tuple[Path, ...]:
     """List the generated files of lessons that have no text any more."""
     names = set(course.names())
-    folders = ((Path("notebooks"), ".ipynb"), (Path("solutions"), ".ipynb"), (CHECKS, ".bin"))
+    folders = (
+        (Path("notebooks"), ".ipynb"),
+        (Path("solutions"), ".ipynb"),
+        (CHECKS, ".bin"),
+        (OUTLINES, ".json"),
+    )
     made = [
         path.relative_to(course.root)
         for folder, suffix in folders

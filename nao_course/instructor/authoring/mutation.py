@@ -27,10 +27,10 @@ from rich.table import Table
 
 from nao_course.exercises import judging
 from nao_course.exercises.case import Case
-from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.earlier import resolved_by, split_use
 from nao_course.exercises.exercise import Exercise, LessonPlan
 from nao_course.exercises.lesson_names import PATTERN, number_of
+from nao_course.exercises.notebook_text import read_cells
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import (
     SEEDS,

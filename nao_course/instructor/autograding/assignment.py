@@ -16,16 +16,18 @@ from typing import Any
 from nao_course.exercises import lesson_names
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import unpack
-from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.earlier import resolved_by, split_use
-from nao_course.exercises.exercise import ANSWER_HERE, SECONDS, Exercise, MistakePair, PublicExercise, Written
+from nao_course.exercises.exercise import SECONDS, Exercise, MistakePair, PublicExercise, Written
+from nao_course.exercises.notebook_text import read_cells
+from nao_course.exercises.outline import FOLDER as OUTLINES
+from nao_course.exercises.outline import read_outline
 from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.plans import hidden_cases, load_solution, publish, solutions_beside
 from nao_course.instructor.autograding.secret import keyed
 
 LIBRARY = Path(__file__).parents[2]
 _NOT_SCORING = ("instructor", "plotting", "widgets", "cli.py", "homework.py")
-RULES = "4"  # how it is graded; another number has everything graded again
+RULES = "5"  # how it is graded; another number has everything graded again
 
 
 @dataclass(frozen=True)
@@ -123,8 +125,6 @@ class Assignment:
         The solution notebook.
     setup : str
         The released set-up cell.
-    blank : str
-        What stands where no written answer was given.
     hash : str
         Of all that a score depends on beside the submission.
     seconds : float
@@ -142,7 +142,6 @@ class Assignment:
     written: tuple[Written, ...] = ()
     reference: Path = Path()
     setup: str = ""
-    blank: str = ""
     hash: str = ""
     seconds: float = SECONDS
     version: str = ""
@@ -208,9 +207,13 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
         read_cells(notebook),
         declaration.read_text(encoding="utf-8") if declaration.exists() else "",
         plan.points,
+        read_outline(name).cells,
     ]
     if earlier:
-        told += [(each.lesson, each.setup, read_cells(each.reference)) for each in earlier]
+        told += [
+            (each.lesson, each.setup, read_cells(each.reference), read_outline(each.lesson).cells)
+            for each in earlier
+        ]
     digest = hashlib.sha256(json.dumps(told).encode()).hexdigest()
     return Assignment(
         name,
@@ -218,7 +221,6 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
         tuple(replace(each, numbers=None) for each in plan.written),  # no code, so that it can be sent
         notebook,
         setup,
-        ANSWER_HERE,
         digest,
         version=course.version,
         earlier=earlier,
@@ -246,7 +248,7 @@ def library_digest(lesson: str) -> str:
         elsewhere = (
             room == "lessons" and len(inside.parts) > 2 and inside.parts[1] != lesson.partition("_")[2]
         )
-        return room not in _NOT_SCORING and not elsewhere
+        return room not in _NOT_SCORING and not elsewhere and inside.suffix != ".json"
 
     return _sources_digest(counts)
 
@@ -265,7 +267,8 @@ def package_digest() -> str:
 
 def _sources_digest(counts: Callable[[Path], bool]) -> str:
     digest = hashlib.sha256()
-    for path in sorted([*LIBRARY.rglob("*.py"), *LIBRARY.rglob("*.toml")]):
+    outlines = (LIBRARY / "exercises" / OUTLINES).glob("*.json")
+    for path in sorted([*LIBRARY.rglob("*.py"), *LIBRARY.rglob("*.toml"), *outlines]):
         inside = path.relative_to(LIBRARY)
         if counts(inside):
             digest.update(f"{inside.as_posix()}\0".encode())

@@ -13,6 +13,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -183,6 +184,7 @@ def _grade(
             versions = {"python": found.python} if numbers(found.python) > (0, 0) else {}
             newer = newer_than_here(versions)
             exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
+            exercises = tuple(_with_remarks(each, found.remarks.get(each.name, ())) for each in exercises)
             exercises = with_answers(exercises, files.notebook)
             too_slow = tuple(
                 f"{each.name}: {each.text}" for each in exercises if each.state in ("timed out", "not run")
@@ -197,7 +199,7 @@ def _grade(
         submission=files.hash,
         assignment=assignment.hash,
         exercises=exercises,
-        written=_written(assignment, found.written),
+        written=_written(assignment, found),
         notes=(
             *submission.notes,
             *_remarks(found, assignment),
@@ -226,7 +228,7 @@ def refuse(submission: Submission, assignment: Assignment, reason: str, digest: 
         submission=digest or submission_hash(submission),
         assignment=assignment.hash,
         exercises=tuple(exercises),
-        written=_written(assignment, {}),
+        written=_written(assignment, Found()),
         notes=submission.notes,
         left_out=submission.notes,
         handed_in=submission.handed_in,
@@ -264,7 +266,14 @@ def _why_unreadable(worker: Worker, found: Found) -> str:
     return ""
 
 
-def _written(assignment: Assignment, answers: Mapping[str, str]) -> tuple[WrittenAnswer, ...]:
+def _with_remarks(result: ExerciseResult, remarks: tuple[str, ...]) -> ExerciseResult:
+    """Add what is unusual about an exercise's cells, which is the reason where it is not found."""
+    if result.state == "not found" and remarks:
+        return replace(result, text=" ".join(remarks), public=())
+    return replace(result, notes=(*result.notes, *remarks))
+
+
+def _written(assignment: Assignment, found: Found) -> tuple[WrittenAnswer, ...]:
     number = int(assignment.lesson.split("_")[0])
     return tuple(
         WrittenAnswer(
@@ -273,15 +282,11 @@ def _written(assignment: Assignment, answers: Mapping[str, str]) -> tuple[Writte
             each.points,
             each.question,
             each.rubric,
-            _without_blank(answers.get(each.name, ""), assignment.blank)[:LONGEST_ANSWER],
+            found.written.get(each.name, "").strip()[:LONGEST_ANSWER],
+            " ".join(found.remarks.get(each.name, ())),
         )
         for at, each in enumerate(assignment.written, start=1)
     )
-
-
-def _without_blank(text: str, blank: str) -> str:
-    text = text.strip()
-    return text.removeprefix(blank).strip() if blank else text
 
 
 def _remarks(found: Found, assignment: Assignment) -> Iterator[str]:
@@ -290,6 +295,9 @@ def _remarks(found: Found, assignment: Assignment) -> Iterator[str]:
         yield f"the notebook says that it is lesson {found.lesson[:60]!r}"
     if found.version not in ("", assignment.version):
         yield f"made from release {found.version[:20]!r}; graded as {assignment.version!r}"
+    yield from islice(
+        (f"{name}: {text}" for name, texts in found.remarks.items() for text in texts), _MOST_NOTES
+    )
     failed = [each for each in found.skipped if each.reason != NO_DEFINITION]
     for each in failed[:_MOST_NOTES]:
         yield f"code cell {each.cell}, line {each.line}: {each.reason[:200]}"

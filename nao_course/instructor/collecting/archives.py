@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
-from nao_course.exercises.definitions import MOST_BYTES
+from nao_course.exercises.notebook_text import MOST_BYTES
 
 MOST_FILES = 1_000_000  # in a folder of submissions; more is the wrong folder
 MOST_ENTRIES = 2000  # in a student's zip

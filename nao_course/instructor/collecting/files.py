@@ -7,7 +7,7 @@ import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES
+from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES
 from nao_course.instructor.collecting.archives import Refused, in_parts, read_plain
 from nao_course.instructor.collecting.submissions import Submission
 

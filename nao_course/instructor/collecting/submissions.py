@@ -12,7 +12,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
-from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
+from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 from nao_course.homework import REQUEST
 from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
 from nao_course.instructor.collecting.names import (

@@ -114,6 +114,8 @@ class WrittenAnswer:
         What to mark it by; never shown to students before it is marked.
     text : str
         What the student wrote; empty where nothing.
+    note : str
+        Where the text was, if it was not only in the cell for the answer.
     """
 
     name: str
@@ -122,6 +124,7 @@ class WrittenAnswer:
     question: str
     rubric: str
     text: str = ""
+    note: str = ""
 
     @property
     def fingerprint(self) -> str:

@@ -88,7 +88,8 @@ _STATES: dict[State, tuple[str, str, str]] = {  # its colour, in short, and what
 }
 
 
-_TOLD_BY_TEXT = ("wrong", "raised", "changes its input")  # states of which the grader's words say it better
+# States of which the grader's words say it better.
+_TOLD_BY_TEXT = ("wrong", "raised", "changes its input", "not found")
 
 
 @dataclass(frozen=True)
@@ -369,7 +370,9 @@ def _answer(score: Score, answer: WrittenAnswer) -> Iterator[Markup]:
         yield element("p", "You wrote:", class_="label")
         yield element("div", _cut(answer.text.strip()), class_="said", dir="auto")
     else:
-        yield element("p", "You wrote nothing here.", class_="soft")
+        yield element("p", "Your notebook has no text of yours at this question.", class_="soft")
+    if answer.note:
+        yield element("p", answer.note, class_="soft")
     mark = score.marks.get(answer.name)
     if mark is None and given is None and (earlier := score.earlier_marks.get(answer.name)):
         said = f"{_points(earlier.points)} for an earlier answer. A person marks your new answer."

@@ -417,6 +417,8 @@ def _shown(each: _Answer, anonymous: bool, worlds: Mapping[str, Mapping[str, flo
     name = element("h3", element("bdi", each.named(anonymous)))
     yield element("div", name, element("span", state, class_="points"), class_="top")
     yield element("div", each.answer.text.strip(), class_="said", dir="auto")
+    if each.answer.note:
+        yield element("p", each.answer.note, class_="soft small")
     for line in compare_numbers(each.answer.text, each.named(anonymous), worlds):
         yield element("p", line, class_="soft small")
     if mark and mark.comment:

@@ -17,7 +17,8 @@ import numpy as np
 
 from nao_course.codec import CodecError, encode
 from nao_course.exercises.case import Case
-from nao_course.exercises.definitions import MOST_BYTES, MOST_WRITTEN, Skipped
+from nao_course.exercises.definitions import Skipped
+from nao_course.exercises.notebook_text import MOST_BYTES, MOST_WRITTEN
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.sandbox.processes import start_process, wait_until_ready
 from nao_course.instructor.sandbox.protocol import (
@@ -36,6 +37,7 @@ from nao_course.instructor.sandbox.warm_server import WarmServer
 MOST_TEXT = 1000  # characters of an exception's message
 MOST_SKIPPED = 1000  # statements that are listed as not run
 MOST_WRITTEN_ANSWERS = 100
+MOST_REMARKS = 5  # on an exercise or question
 MOST_LEFT_OUT = 5  # statements that may end a process while it loads; each is left out in the next one
 MOST_LEFT_OUT_EARLIER = 2  # of an earlier lesson's notebook; then all of it is
 MOST_ASKED = 20_000  # requests of one call for reference functions,
@@ -58,6 +60,8 @@ class Found:
         Written answers by the name of their cell.
     lesson, version, python : str
         What the notebook says it is a copy of, and which Python it was written with.
+    remarks : mapping of str to tuple of str
+        What is unusual about the cells of an exercise or question, by its name.
     """
 
     names: tuple[str, ...] = ()
@@ -66,6 +70,7 @@ class Found:
     lesson: str = ""
     version: str = ""
     python: str = ""
+    remarks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 @dataclass
@@ -393,6 +398,7 @@ class Worker:
                             str(lesson),
                             str(version),
                             str(python),
+                            dict(remarks),
                         ):
                             told = tuple(self._skipped(each) for each in skipped[:MOST_SKIPPED])
                             self._found = Found(
@@ -402,6 +408,7 @@ class Worker:
                                 lesson[:100],
                                 version[:100],
                                 python[:20],
+                                _remarks(remarks),
                             )
                             return
                         case _:
@@ -429,6 +436,11 @@ def _answers(written: dict[str, Any]) -> dict[str, str]:
         some = islice(written.items(), MOST_WRITTEN_ANSWERS)
         return {name[:100]: text[:MOST_WRITTEN] for name, text in some}
     raise Ended("died", UNREADABLE)
+
+
+def _remarks(remarks: dict[str, Any]) -> dict[str, tuple[str, ...]]:
+    some = islice(remarks.items(), MOST_WRITTEN_ANSWERS)
+    return {name[:100]: tuple(map(printable, _texts(texts)[:MOST_REMARKS])) for name, texts in some}
 
 
 def _well_formed(outcome: Any) -> bool:

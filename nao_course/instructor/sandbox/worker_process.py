@@ -22,10 +22,12 @@ import numpy as np
 import numpy.random.bit_generator
 
 from nao_course.codec import PREFIX_SIZE, decode, encode, frame_lengths
-from nao_course.exercises.definitions import Definitions, Skipped, load_definitions, without_outputs
+from nao_course.exercises.definitions import Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import not_usable, split_use, stand_in
 from nao_course.exercises.interactive import unattended
 from nao_course.exercises.lesson_names import number_of
+from nao_course.exercises.notebook_text import without_outputs
+from nao_course.exercises.outline import read_outline
 from nao_course.exercises.running import call_as_it_is, encoded
 from nao_course.instructor.sandbox.confinement import Bounds, limit_resources
 from nao_course.instructor.sandbox.protocol import LIMITED, MOST_NOTES, MOST_OUTPUT, REPLY
@@ -169,7 +171,16 @@ class RequestLoop:
         self.functions = dict(self.definitions)
         text = self.definitions.text
         skipped = [[each.cell, each.line, each.reason] for each in self.definitions.skipped]
-        found = (list(self.functions), skipped, dict(text.written), text.lesson, text.version, text.python)
+        remarks = {name: list(texts) for name, texts in self.definitions.remarks.items()}
+        found = (
+            list(self.functions),
+            skipped,
+            dict(text.written),
+            text.lesson,
+            text.version,
+            text.python,
+            remarks,
+        )
         self.say(encode(("found", *found)))
 
     def loaded(
@@ -181,7 +192,12 @@ class RequestLoop:
             self.random_states.set(b"")
             with unattended():
                 found = load_definitions(
-                    notebook, self.before(left_out | set(greedy)), setup, self.stand_in, instead
+                    notebook,
+                    self.before(left_out | set(greedy)),
+                    setup,
+                    self.stand_in,
+                    instead,
+                    read_outline(notebook.stem),
                 )
             told = [greedy.get((each.cell, each.line), each) for each in found.skipped]
             # Only the first one: later statements may have found no memory because of it.

@@ -6,7 +6,7 @@ import ast
 from collections import Counter
 from collections.abc import Iterator
 
-from nao_course.exercises.definitions import read_cells
+from nao_course.exercises.notebook_text import read_cells
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import Course
 

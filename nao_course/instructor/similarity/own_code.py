@@ -7,8 +7,10 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from nao_course.exercises import definitions
+from nao_course.exercises import notebook_text
 from nao_course.exercises.cells import GIVEN
+from nao_course.exercises.outline import read_outline
+from nao_course.exercises.statements import parse
 from nao_course.instructor.autograding.scratch import laid_out
 from nao_course.instructor.collecting import files
 from nao_course.instructor.collecting.archives import Refused
@@ -47,9 +49,10 @@ def own_code(submission: Submission) -> OwnCode:
     """
     try:
         with laid_out(files.read(submission, _without_outputs), submission.lesson) as notebook:
+            cells = notebook_text.read_cells(notebook, read_outline(submission.lesson))
             sources = {
                 f"code cell {number}": source
-                for number, (role, source) in enumerate(definitions.read_cells(notebook), 1)
+                for number, (role, source) in enumerate(cells, 1)
                 if role not in GIVEN
             }
             for name, _ in submission.helpers:
@@ -152,7 +155,7 @@ def _name(node: ast.AST) -> str:
 def _parsed(source: str) -> ast.Module:
     """Return a source's statements; none if it is no Python, because such a source is not run either."""
     try:
-        return ast.Module(definitions.parse(source[:LONGEST], "<own>"), [])
+        return ast.Module(parse(source[:LONGEST], "<own>"), [])
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return ast.Module([], [])
 
@@ -172,4 +175,4 @@ def defining_cell(cells: Iterable[str], name: str) -> str:
 
 
 def _without_outputs(name: str, size: int, parts: Iterable[bytes]) -> bytes:
-    return definitions.without_outputs(name, b"".join(parts))
+    return notebook_text.without_outputs(name, b"".join(parts))

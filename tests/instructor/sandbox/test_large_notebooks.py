@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from nao_course.exercises.definitions import without_outputs as parsed_here
+from nao_course.exercises.notebook_text import without_outputs as parsed_here
 from nao_course.instructor.sandbox import large_notebooks
 from nao_course.instructor.sandbox.large_notebooks import without_outputs
 from nao_course.instructor.sandbox.layers import probe

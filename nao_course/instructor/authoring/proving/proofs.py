@@ -18,9 +18,10 @@ from nao_course.codec import encode
 from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.cells import SHOWN
 from nao_course.exercises.checking import pack
-from nao_course.exercises.definitions import read_cells
 from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.exercise import PublicExercise
+from nao_course.exercises.notebook_text import read_cells
+from nao_course.instructor.authoring.course import OUTLINES
 from nao_course.instructor.authoring.plans import PlanError, load_solution, public_lesson, solutions_beside
 from nao_course.instructor.authoring.proving.plan_checks import check_plan
 
@@ -115,7 +116,7 @@ class Proofs:
         return {
             path.relative_to(LIBRARY).as_posix(): _hash(path.read_bytes())
             for path in LIBRARY.rglob("*")
-            if path.suffix not in _MADE and path.is_file()
+            if path.suffix not in _MADE and path.is_file() and path.parent.name != OUTLINES.name
         }
 
     @cached_property

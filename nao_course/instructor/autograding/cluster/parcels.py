@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from nao_course.exercises.definitions import LARGEST_HELPER, MOST_BYTES
+from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES
 from nao_course.instructor.autograding.assignment import Assignment
 from nao_course.instructor.collecting.archives import Refused, read_plain
 from nao_course.instructor.collecting.submissions import Submission

@@ -1,0 +1,319 @@
+"""The contents of a notebook from any source, read without running any of its code."""
+
+from __future__ import annotations
+
+import ast
+import json
+import math
+import re
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+from nao_course._internal.text_encodings import NotTextError, decode_text
+from nao_course.exercises.cells import grade_id, metadata, source_of, stated_role
+from nao_course.exercises.exercise import ANSWER_HERE
+from nao_course.exercises.outline import UNKNOWN, Outline
+
+MOST_BYTES = 50 * 2**20
+# Number of Python files beside a notebook that are included, and their largest size in bytes.
+MOST_HELPERS, LARGEST_HELPER = 20, 2**20
+LARGEST_CODE = 12 * 2**20  # bytes of a notebook without its outputs
+LONGEST_NUMBER = 1000  # digits
+MOST_WRITTEN = 2**16  # characters of a written answer, and of a text cell
+MOST_CHANGED = 3  # text cells of the release that a student has changed; with more, it is another release
+TEXT = ("markdown", "raw")  # types of cells that do not run
+DEFINED = re.compile(r"^[ \t>]*+(?:async[ ]+)?(?:def|class)[ ]+(\w+)", re.MULTILINE)
+_DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
+# A first line that keeps the cell from running as a part of the notebook.
+_MAGIC = re.compile(r"\s*+(%%(?!(?:time|timeit|capture|prun)\b)\w*)")
+
+
+@dataclass(frozen=True)
+class NotebookText:
+    """The contents of a notebook before any of its code runs.
+
+    Parameters
+    ----------
+    cells : list of (str, str)
+        Role and source of each code cell; see `Outline.role`.
+    written : mapping of str to str
+        Written answers by the name of their question; at most MOST_WRITTEN characters each.
+    lesson, version : str
+        Lesson and version in the notebook's metadata; empty if they are missing.
+    python : str
+        Version of Python of the kernel that saved it, such as "3.11.7"; empty if it is missing.
+    remarks : mapping of str to str
+        What is unusual about the cells of a question, by its name.
+    elsewhere : mapping of str to str
+        Why a definition of an exercise does not run although the notebook contains its text, by the exercise's name.
+    """
+
+    cells: list[tuple[str, str]] = field(default_factory=list)
+    written: Mapping[str, str] = field(default_factory=dict)
+    lesson: str = ""
+    version: str = ""
+    python: str = ""
+    remarks: Mapping[str, str] = field(default_factory=dict)
+    elsewhere: Mapping[str, str] = field(default_factory=dict)
+
+
+def read_cells(path: str | Path, released: Outline = UNKNOWN) -> list[tuple[str, str]]:
+    """Read a notebook's code cells as (role, source); see `Outline.role` for the roles."""
+    return read_notebook(path, released).cells
+
+
+def read_notebook(path: str | Path, released: Outline = UNKNOWN) -> NotebookText:
+    """Read the contents of a notebook.
+
+    Parameters
+    ----------
+    path : str or Path
+        Path of the notebook.
+    released : Outline
+        The notebook of the same lesson as it was released. Cells are then also recognised without their metadata.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the file does not exist.
+    ValueError
+        If it is not a notebook; the message explains why.
+    """
+    file = Path(path)
+    if file.exists() and not file.is_file():
+        raise ValueError(f"{file.name}: not a file")
+    if file.stat().st_size > MOST_BYTES:
+        raise ValueError(f"{file.name}: a notebook may have at most {MOST_BYTES // 2**20} MB")
+    return _contents(file.name, file.read_bytes(), released)[0]
+
+
+def without_outputs(name: str, content: bytes | bytearray) -> bytes:
+    """Return a notebook that holds only what is graded: its cells without outputs, and its lesson and version.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file, for the message if it is not a notebook.
+    content : bytes
+        The notebook.
+
+    Raises
+    ------
+    ValueError
+        If it is not a notebook, or larger than LARGEST_CODE without its outputs; the message explains why.
+    """
+    _, notebook = _contents(name, content, UNKNOWN)
+    cells = [
+        {
+            "cell_type": cell["cell_type"],
+            "id": str(cell.get("id", ""))[:100],
+            "metadata": {key: metadata(cell, key) for key in ("nbgrader", "nao_course")},
+            "source": _source(cell),
+        }
+        for cell in _cells(notebook)
+        if cell.get("cell_type") in ("code", *TEXT)
+    ]
+    kept = {key: metadata(notebook, key) for key in ("kernelspec", "language_info", "nao_course")}
+    short = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": kept, "cells": cells}).encode()
+    if len(short) > LARGEST_CODE:
+        raise ValueError(f"{name}: its code and texts may have at most {LARGEST_CODE // 2**20} MB")
+    return short
+
+
+def _contents(
+    name: str, content: bytes | bytearray, released: Outline
+) -> tuple[NotebookText, dict[str, Any]]:
+    """Parse a notebook; return what is graded, and all of it."""
+    try:
+        notebook = json.loads(decode_text(content), parse_int=_whole_number)
+        cells = [cell for cell in _cells(notebook) if cell.get("cell_type") in ("code", *TEXT)]
+        places = released.places(cells)
+        code = [
+            (released.role(cell, at), source_of(cell))
+            for cell, at in zip(cells, places, strict=True)
+            if cell["cell_type"] == "code"
+        ]
+        written, remarks = _written(cells, places, released)
+        elsewhere = dict(_elsewhere(cells, places, released))
+        text = NotebookText(code, written, *_stamp(notebook), remarks, elsewhere)
+        language = _language(notebook)
+    except RecursionError:
+        raise ValueError(f"{name}: not a notebook of format 4 (it is nested too deeply)") from None
+    except (ValueError, TypeError, KeyError, AttributeError, MemoryError) as error:
+        raise ValueError(f"{name}: not a notebook of format 4 ({_why_unreadable(error)})") from None
+    if language and not any(_DEFINES.search(source) for _, source in code):
+        raise ValueError(f"{name}: expected a notebook in Python, got {language}")
+    return text, notebook
+
+
+class _NotebookError(ValueError):
+    """A reason in plain words why a file is not a notebook."""
+
+
+def _why_unreadable(error: Exception) -> str:
+    """Return the reason why a notebook cannot be read, without Python's own words."""
+    match error:
+        case _NotebookError():
+            return str(error)
+        case NotTextError(data=data):
+            return "it is compressed with gzip" if data[:2] == b"\x1f\x8b" else str(error)
+        case json.JSONDecodeError(doc=doc, pos=at, msg=message, lineno=line):
+            if not doc[at:].strip() or message.startswith("Unterminated"):
+                end = f"it is incomplete: it breaks off in line {line}; save it again with JupyterLab"
+                return end if doc.strip() else "it is empty"
+            return f"line {line} is not JSON, the format of notebooks; save it again with JupyterLab"
+        case MemoryError():
+            return "it is too large to be read; clear all outputs and save it again"
+    return "its cells or metadata are damaged; save it again with JupyterLab"
+
+
+def _whole_number(digits: str) -> float:
+    """Return a whole number, or infinity if it has too many digits: Python limits the digits of an int."""
+    return int(digits) if len(digits) < LONGEST_NUMBER else math.inf
+
+
+def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the cells, and leave out everything that cannot be a cell."""
+    if not isinstance(notebook, dict):
+        raise _NotebookError("it contains other data than a notebook; save it again with JupyterLab")
+    if notebook.get("nbformat", 4) != 4:
+        raise _NotebookError(f"its format is {str(notebook['nbformat'])[:20]}; save it again with JupyterLab")
+    if not isinstance(notebook.get("cells"), list):
+        raise _NotebookError("it has no list of cells; save it again with JupyterLab")
+    cells = [cell for cell in notebook["cells"] if isinstance(cell, dict)]
+    if notebook["cells"] and not any(_is_whole(cell) for cell in cells):
+        raise _NotebookError("none of its cells has a type and a source; save it again with JupyterLab")
+    return cells
+
+
+def _is_whole(cell: dict[str, Any]) -> bool:
+    source = cell.get("source")
+    lines = source if isinstance(source, list) else [source]
+    return isinstance(cell.get("cell_type"), str) and all(isinstance(line, str) for line in lines)
+
+
+def _language(notebook: dict[str, Any]) -> str:
+    """Return the language of a notebook's kernel if it is not Python."""
+    language = _text(metadata(notebook, "kernelspec").get("language") or "", 40)
+    return "" if "python" in language.lower() else language
+
+
+def _text(value: Any, most: int) -> str:
+    """Return a text that can be written to any file: without lone surrogates."""
+    return str(value)[:most].encode("utf-8", "replace").decode()
+
+
+def _stamp(notebook: dict[str, Any]) -> tuple[str, str, str]:
+    stamp, language = metadata(notebook, "nao_course"), metadata(notebook, "language_info")
+    python = _text(language.get("version", ""), 20) if language.get("name", "python") == "python" else ""
+    return _text(stamp.get("lesson", ""), 100), _text(stamp.get("version", ""), 100), python
+
+
+def _source(cell: dict[str, Any]) -> str:
+    """Return a cell's text; of a text cell, the part that may be an answer."""
+    return source_of(cell) if cell["cell_type"] == "code" else source_of(cell)[:MOST_WRITTEN]
+
+
+# --- written answers ---
+
+
+def _written(
+    cells: Sequence[dict[str, Any]], places: Sequence[int], released: Outline
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the written answers, and remarks on the questions whose answer is not only in its own cell.
+
+    An answer's own cell is found by its metadata or its id. Text that a student added between the released cell before
+    it and the one after it also belongs to the answer, and so does a change of one of these two.
+    """
+    answers: dict[str, dict[str, None]] = {}
+    beside, added, before = set[str](), 0, -1
+    changed = {at for cell, at in zip(cells, places, strict=True) if _is_changed_text(cell, at, released)}
+    changed = changed if len(changed) <= MOST_CHANGED else set()
+    for cell, at, then in zip(cells, places, _next_places(places), strict=True):
+        text = _source(cell).replace(ANSWER_HERE, "").strip()
+        before = at if at >= 0 else before
+        if stated_role(cell) == "written":
+            name = _text(grade_id(cell), 100)
+        elif at >= 0 and released.cells[at].role == "written":
+            name = released.cells[at].name
+        else:
+            added += at < 0 and cell["cell_type"] in TEXT and text != ""
+            homes = (at - 1, at + 1) if at >= 0 else range(max(before, 0), then + 1) if before >= 0 else ()
+            near = [each for each, home in released.questions.items() if home in homes]
+            if not near or not text or (at not in changed if at >= 0 else not _is_prose(cell)):
+                continue
+            name = near[0]
+            beside.add(name)
+        answers.setdefault(name, {}).update(dict.fromkeys([text] if text else []))
+    written = {name: _text("\n\n".join(texts), MOST_WRITTEN) for name, texts in answers.items()}
+    remarks = dict.fromkeys(beside, "Text beside the cell for this answer is taken as a part of the answer.")
+    for name in released.questions if added else ():
+        if not written.get(name):
+            remarks[name] = "The notebook has text cells of the student's own, but none at this question."
+    return written, remarks
+
+
+def _next_places(places: Sequence[int]) -> list[int]:
+    """Return the place of the next released cell after each cell; infinity as a place beyond the last one."""
+    after = list(accumulate(reversed(places), lambda then, at: at if at >= 0 else then, initial=10**9))
+    return after[-2::-1] if places else []
+
+
+def _is_changed_text(cell: dict[str, Any], at: int, released: Outline) -> bool:
+    """Return whether a student changed a text cell of the release, other than the cell for an answer."""
+    return (
+        at >= 0
+        and {cell["cell_type"], released.cells[at].kind} <= set(TEXT)
+        and released.cells[at].role != "written"
+        and not released.is_released(_source(cell))
+    )
+
+
+def _is_prose(cell: dict[str, Any]) -> bool:
+    """Return whether a cell holds text, also if it is a code cell that no Python can read."""
+    if cell["cell_type"] in TEXT:
+        return True
+    source = source_of(cell)
+    if len(source) > MOST_WRITTEN or DEFINED.search(source):
+        return False
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            statements = ast.parse(source).body
+    except SyntaxError:
+        return not source.lstrip().startswith(("%", "!"))
+    except (ValueError, RecursionError, MemoryError):
+        return False
+    return all(isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant) for each in statements)
+
+
+# --- definitions in cells that do not run ---
+
+
+def _elsewhere(
+    cells: Sequence[dict[str, Any]], places: Sequence[int], released: Outline
+) -> Iterator[tuple[str, str]]:
+    """Yield the exercises that a cell defines which does not run as a part of the notebook, and why not."""
+    number = 0
+    for cell, at in zip(cells, places, strict=True):
+        source, kind = _source(cell), cell["cell_type"]
+        number += kind == "code"
+        names = released.exercises.intersection(DEFINED.findall(source)) if released.cells else ()
+        if kind == "code" and names and (magic := _MAGIC.match(source)):
+            why = (
+                f"Code cell {number} begins with {magic[1][:20]}, so its definition is not a part of the notebook. "
+                "Delete that line and run the cell."
+            )
+        elif kind in TEXT and (at < 0 or released.cells[at].kind == "code"):
+            why = (
+                f"Its definition is in a {kind.capitalize()} cell, which does not run. Select the cell, press Y to "
+                "make it a code cell, and run it."
+            )
+        else:
+            continue
+        for name in sorted(names):
+            yield name, why
