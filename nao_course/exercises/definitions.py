@@ -22,7 +22,7 @@ from nao_course.exercises.running import REFERENCE, TimeIsUp, describe
 from nao_course.exercises.statements import Program, is_doubled, is_under_main, parse, targets, unwritten
 from nao_course.exercises.versions import numbers
 
-MOST_ANALYSED = 2**20  # characters of code; of a larger notebook, only statements of the types in _RUN run
+MOST_ANALYSED = 2**18  # characters of code; of a larger notebook, only statements of the types in _RUN run
 MOST_LISTED = 10  # cells that define one exercise
 NO_DEFINITION = "not a definition"
 _IMPORTS = (ast.Import, ast.ImportFrom)
@@ -234,17 +234,19 @@ class _Loading:
                         self._define_earlier(number, statement, use, earlier)
                 elif role == "setup" and not isinstance(statement, _IMPORTS):
                     continue
-                elif not self._runs(statement, role, origin):
+                elif not self._runs(statement, role):
                     if not _is_text(statement):
                         self._skip(number, statement, NO_DEFINITION)
                 elif not self._is_worse(statement, number):
                     self._execute(number, statement, origin, before)
                 self._note_checks(_checks(statement))
 
-    def _runs(self, statement: ast.stmt, role: str, origin: str) -> bool:
+    def _runs(self, statement: ast.stmt, role: str) -> bool:
         """Return whether a statement may define something that is graded."""
         if isinstance(statement, _RUN) and role != "edited" and not is_under_main(statement):
             return True
+        if not self.parsed:
+            return isinstance(statement, _IMPORTS)
         return self.program.may_set(statement, self.needed)
 
     def _is_worse(self, statement: ast.stmt, number: int) -> bool:

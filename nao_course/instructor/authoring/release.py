@@ -18,7 +18,7 @@ from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.homework import NOTEBOOKS, RELEASE, zipped
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.build import CODE_STUB, build
-from nao_course.instructor.authoring.course import CHECKS, Course, LessonError
+from nao_course.instructor.authoring.course import CHECKS, OUTLINES, Course, LessonError
 from nao_course.instructor.authoring.execute import Tell
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints, fingerprints_in
 from nao_course.instructor.authoring.mistakes import Change
@@ -169,7 +169,7 @@ def contents(course: Course, names: list[str]) -> dict[str, bytes]:
     files["README.md"] = (root / README).read_bytes()
     for path in library_files(root, LIBRARY_KINDS):
         inside = path.relative_to(root)
-        if "instructor" not in inside.parts:
+        if "instructor" not in inside.parts and (inside.parent != OUTLINES or inside.stem in names):
             files[inside.as_posix()] = path.read_bytes()
     for name in names:
         checks, notebook = CHECKS / f"{name}.bin", NOTEBOOKS / f"{name}.ipynb"

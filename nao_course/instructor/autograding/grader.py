@@ -134,10 +134,11 @@ def grade(
     """
     start = time.monotonic()
     allowances = Allowances(task.public.name for task in assignment.tasks)
+    told: list[Found] = []
 
     def work(assignment: Assignment) -> tuple[SubmissionResult, int]:
         return in_spite_of_the_server(
-            lambda mine: _grade(submission, assignment, mine, stopped, allowances), server
+            lambda mine: _grade(submission, assignment, mine, stopped, allowances, told), server
         )
 
     try:
@@ -159,8 +160,12 @@ def _grade(
     server: WarmServer | None,
     stopped: Callable[[], bool],
     allowances: Allowances,
+    told: list[Found],
 ) -> tuple[SubmissionResult, int]:
-    """Grade once, and count the processes that something outside may have ended."""
+    """Grade once, and count the processes that something outside may have ended.
+
+    What the first try found in the notebook is kept in `told`, because a retry may know hidden inputs.
+    """
     loading = allowances.own[LOADING]
 
     def shorten(name: str, size: int, parts: Iterator[bytes]) -> bytes:
@@ -180,11 +185,13 @@ def _grade(
             found = worker.definitions
             if not found.names and (reason := _why_unreadable(worker, found)):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
+            told += [found] if found.names else []
+            said = told[0] if told else found
             grader = SubmissionGrader(worker, assignment, files, server, stopped, allowances)
             versions = {"python": found.python} if numbers(found.python) > (0, 0) else {}
             newer = newer_than_here(versions)
             exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
-            exercises = tuple(_with_remarks(each, found.remarks.get(each.name, ())) for each in exercises)
+            exercises = tuple(_with_remarks(each, said.remarks.get(each.name, ())) for each in exercises)
             exercises = with_answers(exercises, files.notebook)
             too_slow = tuple(
                 f"{each.name}: {each.text}" for each in exercises if each.state in ("timed out", "not run")
@@ -199,10 +206,10 @@ def _grade(
         submission=files.hash,
         assignment=assignment.hash,
         exercises=exercises,
-        written=_written(assignment, found),
+        written=_written(assignment, said),
         notes=(
             *submission.notes,
-            *_remarks(found, assignment),
+            *_remarks(said, assignment),
             *_for_a_decision(exercises, newer),
             *too_slow,
             *attempts,

@@ -3,6 +3,7 @@
 import json
 import pickle
 import re
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from nao_course.instructor.autograding.grader import GraderError, Stopped, grade
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.records import as_json, from_json
 from nao_course.instructor.sandbox.protocol import ServerEnded
+from tests.exercises.test_odd_notebooks import MESS, cells_of
 from tests.paths import PROJECT
 from tests.sandboxed import quickly
 from tests.toy import chain
@@ -802,3 +804,38 @@ def test_lesson_01_as_solved_gets_all_and_as_released_none(server, lesson_01):
     assert blank.earned == 0
     assert {each.state for each in blank.exercises} == {"not attempted"}
     assert all(each.text == "" for each in blank.written) and len(blank.written) == len(assignment.written)
+
+
+def handed_in(folder, cells):
+    path = folder / f"{LESSON}.ipynb"
+    path.write_text(json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}))
+    return Submission("ada", LESSON, path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mess", MESS)
+def test_the_same_work_has_the_same_points_in_a_mess(server, lesson_01, tmp_path, mess, rng):
+    _, assignment = lesson_01
+    own, blank = (deepcopy(cells_of(folder, LESSON)) for folder in ("solutions", "notebooks"))
+    plain = grade(handed_in(tmp_path, own), assignment, server)
+    odd = grade(handed_in(tmp_path, MESS[mess](own, blank, rng)), assignment, server)
+    assert odd.earned == plain.earned == odd.points
+    assert [each.text for each in odd.written] == [each.text for each in plain.written] != [""]
+
+
+def test_what_is_unusual_is_said_to_student_and_assistant(server, lesson_01, tmp_path):
+    _, assignment = lesson_01
+    cells = [cell for cell in deepcopy(cells_of("solutions", LESSON)) if "explain" not in cell["id"]]
+    retyped, doubled = (
+        next(cell for cell in cells if cell["id"] == f"lesson01-{name}")
+        for name in ("hue_mask", "white_threshold")
+    )
+    retyped["cell_type"] = "raw"
+    cells += [{**doubled, "id": "copy"}, {"cell_type": "markdown", "source": "my notes"}]
+    result = grade(handed_in(tmp_path, cells), assignment, server)
+    found = {each.name: each for each in result.exercises}
+    assert (found["hue_mask"].state, "Raw cell" in found["hue_mask"].text) == ("not found", True)
+    assert found["white_threshold"].state == "right" and "code cells" in found["white_threshold"].notes[0]
+    assert result.written[0].text == "" and "none at this question" in result.written[0].note
+    said = "\n".join(result.notes)
+    assert all(f"{name}: " in said for name in ("hue_mask", "white_threshold", "explain_stray_pixel"))
