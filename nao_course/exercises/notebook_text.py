@@ -7,6 +7,7 @@ import json
 import math
 import re
 import warnings
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate
@@ -25,6 +26,7 @@ LARGEST_CODE = 12 * 2**20  # bytes of a notebook without its outputs
 LONGEST_NUMBER = 1000  # digits
 MOST_WRITTEN = 2**16  # characters of a written answer, and of a text cell
 MOST_CHANGED = 3  # text cells of the release that a student has changed; with more, it is another release
+BEYOND = 10**9  # in place of the next released cell, after the last one
 TEXT = ("markdown", "raw")  # types of cells that do not run
 DEFINED = re.compile(r"^[ \t>]*+(?:async[ ]+)?(?:def|class)[ ]+(\w+)", re.MULTILINE)
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
@@ -233,6 +235,7 @@ def _written(
     beside, added, before = set[str](), 0, -1
     changed = {at for cell, at in zip(cells, places, strict=True) if _is_changed_text(cell, at, released)}
     changed = changed if len(changed) <= MOST_CHANGED else set()
+    there = sorted({at for at in places if at >= 0})
     for cell, at, then in zip(cells, places, _next_places(places), strict=True):
         text = _source(cell).replace(ANSWER_HERE, "").strip()
         before = at if at >= 0 else before
@@ -242,8 +245,11 @@ def _written(
             name = released.cells[at].name
         else:
             added += at < 0 and cell["cell_type"] in TEXT and text != ""
-            homes = (at - 1, at + 1) if at >= 0 else range(max(before, 0), then + 1) if before >= 0 else ()
-            near = [each for each, home in released.questions.items() if home in homes]
+            near = [
+                each
+                for each, home in released.questions.items()
+                if (abs(at - home) == 1 if at >= 0 else _is_beside(before, then, home, there))
+            ]
             if not near or not text or (at not in changed if at >= 0 else not _is_prose(cell)):
                 continue
             name = near[0]
@@ -257,9 +263,17 @@ def _written(
     return written, remarks
 
 
+def _is_beside(before: int, then: int, home: int, there: Sequence[int]) -> bool:
+    """Return whether a cell between two released ones is where an answer's cell is or was, or directly below it."""
+    first = bisect_left(there, home)
+    above = there[first - 1] if first else None
+    below = next(iter(there[bisect_right(there, home) : bisect_right(there, home) + 1]), BEYOND)
+    return before == home or (before == above and then in (home, below))
+
+
 def _next_places(places: Sequence[int]) -> list[int]:
-    """Return the place of the next released cell after each cell; infinity as a place beyond the last one."""
-    after = list(accumulate(reversed(places), lambda then, at: at if at >= 0 else then, initial=10**9))
+    """Return the place of the next released cell after each cell; BEYOND after the last one."""
+    after = list(accumulate(reversed(places), lambda then, at: at if at >= 0 else then, initial=BEYOND))
     return after[-2::-1] if places else []
 
 

@@ -20,8 +20,9 @@ from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question,
 
 
 def test_build_writes_all_that_is_made_of_a_lesson_and_then_nothing(course, kernel):
-    assert sorted(run("build").output.split("\n")[:-1])[-3:] == [
+    assert sorted(run("build").output.split("\n")[:-1])[-4:] == [
         "wrote nao_course/exercises/checks/01_toy.bin",
+        "wrote nao_course/exercises/outlines/01_toy.json",
         "wrote notebooks/01_toy.ipynb",
         "wrote solutions/01_toy.ipynb",
     ]

@@ -65,8 +65,9 @@ def test_a_release_says_its_version_in_a_file_and_in_each_notebook(files):
 def test_only_the_chosen_lessons_are_released():
     course = replace(COURSE, chosen=("00",))
     chosen = release.contents(course, course.names(course.chosen))
-    assert [name for name in chosen if name.endswith((".ipynb", ".bin"))] == [
+    assert sorted(name for name in chosen if name.endswith((".ipynb", ".bin")) or "/outlines/" in name) == [
         "nao_course/exercises/checks/00_meet_the_nao.bin",
+        "nao_course/exercises/outlines/00_meet_the_nao.json",
         "release/notebooks/00_meet_the_nao.ipynb",
     ]
 
