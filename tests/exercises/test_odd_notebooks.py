@@ -50,7 +50,7 @@ def one_without_metadata(own, blank, rng):
 
 
 def split(own, blank, rng):
-    """Each top-level statement of an exercise in a cell of its own; the last one keeps the metadata."""
+    """Put each top-level statement of an exercise into a cell of its own; the last one keeps the metadata."""
     parts = []
     for cell in own:
         pieces = source_of(cell).split("\n\n\n") if is_solution(cell) else [source_of(cell)]
@@ -59,7 +59,7 @@ def split(own, blank, rng):
 
 
 def merged(own, blank, rng):
-    """Each exercise and its check in one cell."""
+    """Put each exercise and its check into one cell."""
     parts = []
     for cell in own:
         if source_of(cell).startswith("check(") and parts and "def " in source_of(parts[-1]):
