@@ -1,5 +1,6 @@
 """Folders and zips of submissions, and what was found in them."""
 
+import json
 import sys
 import zipfile
 from pathlib import Path
@@ -9,6 +10,25 @@ import pytest
 LESSONS = ["00_meet_the_nao", "01_hsl_filtering", "02_goal_posts"]
 HSL = "01_hsl_filtering.ipynb"
 NOTEBOOK = b'{"cells": [], "metadata": {}, "nbformat": 4, "nbformat_minor": 5}'
+
+
+def answered(answers: int) -> bytes:
+    """Return a notebook with this many exercises that are answered; with 0 it has one that is not."""
+    bodies = [f"def f{number}():\n    return {number}" for number in range(answers)]
+    bodies = bodies or ["def f():\n    raise NotImplementedError"]
+    cells = [
+        {
+            "cell_type": "code",
+            "metadata": {"nbgrader": {"grade_id": f"f{number}", "solution": True}},
+            "source": body,
+            "outputs": [],
+            "execution_count": None,
+        }
+        for number, body in enumerate(bodies)
+    ]
+    return json.dumps({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5}).encode()
+
+
 posix = pytest.mark.skipif(sys.platform == "win32", reason="links, pipes and modes of POSIX")
 
 

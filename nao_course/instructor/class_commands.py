@@ -6,13 +6,16 @@ from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
 
+import typer
+
 from nao_course._internal.counts import say_count
+from nao_course.homework import REQUEST
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.batch import feedback_writer
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.collecting.archives import Refused
-from nao_course.instructor.collecting.requests import request_files, requests_in
+from nao_course.instructor.collecting.requests import AskedAbout, request_files, requests_in
 from nao_course.instructor.commands import (
     FEEDBACK,
     handed_in_before,
@@ -27,6 +30,11 @@ from nao_course.instructor.reports import comment_sheets
 from nao_course.instructor.reports.class_report import write_report
 from nao_course.instructor.reports.html import visible
 from nao_course.instructor.similarity.own_code import defining_cell, own_code
+
+_HOW_TO_ASK = (
+    f"This part of your {REQUEST} could not be read. Write the name of an exercise of this course, a colon and your "
+    "reason in one line, and hand the file in again."
+)
 
 
 def report(grades: Path) -> Iterator[str]:
@@ -108,24 +116,33 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
     ------
     ValueError
         If there is no journal, or the path is neither a folder nor a zip.
+    typer.Exit
+        With status 1 if a request could not be read.
     """
-    course = load_course()
+    course, unread = load_course(), list[str]()
     with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
         if submissions is not None:
             texts, problems = request_files(submissions, scratch, course.names(), journal.students())
             found = []
-            for student, text in sorted(texts.items()):
+            for student in sorted({*texts, *(student for student, _ in problems if student)}):
                 with journal.for_one(student, "requests", "the file was not read"):
                     results = list(journal.each_result(student=student))
-                    lessons = {each.name: result.lesson for result in results for each in result.exercises}
-                    asked, lost = requests_in(text, lessons)
-                    found += [Request(student, lessons[name], name, said) for name, said in asked.items()]
-                    problems += [
-                        f"{student}: no exercise of this student is named in {line!r}" for line in lost
+                    exercises = [
+                        AskedAbout(result.lesson, each.number, each.name)
+                        for result in results
+                        for each in result.exercises
                     ]
+                    asked, lost = requests_in(texts.get(student, ""), exercises)
+                    lost += [problem for whose, problem in problems if whose == student]
+                    found += [Request(student, *exercise, said) for exercise, said in asked.items()]
+                    if lost:
+                        told = "\n".join(lost)
+                        found += [Request(student, each.lesson, "", told, _HOW_TO_ASK) for each in results]
+                    unread += [f"{student}: {line}" for line in lost]
+            unread += [problem for student, problem in problems if not student]
             new = {(each.student, each.lesson) for each in journal.request(found)}
             write_pages(journal, grades, results_of(journal, sorted(new)))
-            yield from (f"not read: {each}" for each in problems)
+            yield from (f"NOT READ: {each}" for each in unread)
         waiting = [each for each in journal.requests() if not each.answer]
     yield f"{say_count(len(waiting), 'open request')}{':' if waiting else ''}"
     for each in waiting:
@@ -136,6 +153,8 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
             "--keep EXERCISE."
         )
     yield from list_problems(journal)
+    if unread:
+        raise typer.Exit(1)
 
 
 def keep_points(grades: Path, student: str, exercise: str, reason: str) -> Iterator[str]:

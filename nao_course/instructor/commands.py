@@ -65,7 +65,9 @@ def grade_folder(console: Console, path: Path, out: Path, lessons: Sequence[str]
         load_secret()  # what is missing is said before there is a journal
         course = load_course()
         wanted = course.names(lessons)
-        found = gather(path, scratch, course.names(), wanted, known=_graded_before(out))
+        found = gather(
+            path, scratch, course.names(), wanted, known=_graded_before(out), released=course.released
+        )
         waiting = of_lessons(found, wanted)
         if not waiting and not found.unknown:
             raise ValueError(
@@ -159,7 +161,7 @@ def handed_in_before(
     for number, place in enumerate(journal.places()):
         folder = scratch / f"earlier-{number}"
         with suppress(ValueError, OSError):
-            gathered = gather(place, folder, course.names(), wanted, known=known)
+            gathered = gather(place, folder, course.names(), wanted, known=known, released=course.released)
             replaces = _replacing(journal) if gathered.wrapper else None
             for each in gathered.submissions:
                 if not (replaces and replaces(each)):
@@ -215,6 +217,8 @@ def _show(
             highlight=False,
             soft_wrap=True,
         )
+    for line in found.recognised:
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
     table = Table("", "submissions")
     table.add_row("graded", str(summary.graded))
     table.add_row("refused", str(len(summary.refused)))
@@ -230,6 +234,7 @@ def _show(
     for title, lines in (
         ("Refused", reasons),
         ("NEEDS A DECISION (look at the answer, then nao-course regrade --set)", summary.undecided),
+        ("An older notebook or result counts", (*found.older, *summary.kept)),
         ("Left out", found.unknown[len(found.not_graded) :]),
         ("Too slow, or not run", summary.too_slow),
         ("Seen by the sandbox", summary.attempts),
@@ -345,7 +350,8 @@ def _handed_in(
 ) -> list[Submission]:
     """Find a submission again where one of the runs had it."""
     for number, place in enumerate(places):
-        found = gather(place, scratch / str(number), load_course().names(), [result.lesson], known=known)
+        folder, course = scratch / str(number), load_course()
+        found = gather(place, folder, course.names(), [result.lesson], known=known, released=course.released)
         mine = [each for each in of_lessons(found, [result.lesson]) if each.student == result.student]
         # The folder around all students may be a student's own: it replaces nobody's submission.
         if mine and (not found.wrapper or submission_hash(mine[0]) == result.submission):

@@ -11,6 +11,7 @@ import shutil
 import sys
 import tempfile
 import tomllib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -195,14 +196,11 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
     """Grade the submission as a class of one student."""
     shutil.copytree(handed_in, scratch / "class" / "submission", symlinks=True)
     (scratch / "unpacked").mkdir()
-    found = gather(scratch / "class", scratch / "unpacked", [lesson], one_student=True)
+    given = partial(gather, scratch / "class", one_student=True, released=course.released)
+    found = given(scratch / "unpacked", [lesson])
     used = lessons_used(course, lesson)
     (scratch / "earlier").mkdir()
-    before = (
-        gather(scratch / "class", scratch / "earlier", course.names(), used, one_student=True).submissions
-        if used
-        else ()
-    )
+    before = given(scratch / "earlier", course.names(), used).submissions if used else ()
     waiting = with_earlier(
         of_lessons(found, [lesson]), {(each.student, each.lesson): each for each in before}, lambda _: used
     )

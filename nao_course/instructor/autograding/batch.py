@@ -6,7 +6,7 @@ import threading
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Protocol
@@ -18,10 +18,11 @@ from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
-from nao_course.instructor.gradebook.scores import each_journal_score
+from nao_course.instructor.gradebook.scores import each_journal_score, score
 from nao_course.instructor.sandbox.warm_server import WarmServer
 
 Submit = Callable[[Submission, Assignment], Future[SubmissionResult]]
+_NEWER = "The newer"  # how a note on an earlier notebook begins
 ResultOrError = SubmissionResult | GraderError
 
 
@@ -46,6 +47,8 @@ class Summary:
         Submissions that were scored in this run, and submissions that were scored or refused before.
     refused : list of SubmissionResult
         Submissions that were refused in this run, with the reason.
+    kept : list of str
+        Students whose earlier result counts, because nothing in their new notebook can be graded.
     failed : list of str
         Submissions that have neither: the grader itself failed.
     attempts : list of str
@@ -61,6 +64,7 @@ class Summary:
     graded: int = 0
     unchanged: int = 0
     refused: list[SubmissionResult] = field(default_factory=list)
+    kept: list[str] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
     attempts: list[str] = field(default_factory=list)
     undecided: list[str] = field(default_factory=list)
@@ -129,8 +133,14 @@ def grade_all(
             if isinstance(outcome, GraderError):
                 summary.failed.append(str(outcome))
             else:
+                kept = _earlier_result(outcome, journal)
                 with journal.for_one(outcome.student, outcome.lesson, "the feedback page was not written"):
-                    publish(outcome)
+                    publish(kept or outcome)
+                if kept:
+                    summary.kept.append(_in_words(kept, journal))
+                    journal.keep(kept, versions, newest=outcome)
+                    tell(submission)
+                    continue
                 journal.keep(outcome, versions)
                 summary.attempts += [
                     f"{outcome.student}, {outcome.lesson}: {each}" for each in outcome.attempts
@@ -156,6 +166,31 @@ def grade_all(
         stop.set()
         executor.shutdown(cancel_futures=True)
     return summary
+
+
+def _earlier_result(outcome: SubmissionResult, journal: Journal) -> SubmissionResult | None:
+    """Return a student's earlier result, with a note, if nothing in the new notebook can be graded."""
+    if outcome.status == "graded" and (outcome.is_answered or not outcome.exercises):
+        return None
+    for before in journal.each_result(outcome.lesson, outcome.student):
+        if (
+            before.status == "graded"
+            and before.submission != outcome.submission
+            and (outcome.status == "refused" or before.is_answered)
+        ):
+            why = f"cannot be read ({outcome.reason})" if outcome.reason else "has no answer in it"
+            note = f"{_NEWER} {outcome.file} {why}, so this earlier notebook counts"
+            left_out, notes = (
+                tuple(each for each in told if not each.startswith(_NEWER))
+                for told in (before.left_out, before.notes)
+            )
+            return replace(before, left_out=(*left_out, note), notes=(*notes, note))
+    return None
+
+
+def _in_words(kept: SubmissionResult, journal: Journal) -> str:
+    points = score(kept, journal.overrides(kept.lesson), journal.marks(kept.lesson), journal.policy).earned
+    return f"{kept.student}, {kept.lesson}: {points:g} points before; {kept.left_out[-1]}"
 
 
 def as_they_come(

@@ -24,7 +24,8 @@ from nao_course.exercises.interactive import InteractiveCall
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.versions import Newer
 from nao_course.instructor.autograding.tries import NOT_RUN
-from nao_course.instructor.collecting.files import LARGEST_READ, Files
+from nao_course.instructor.collecting.archives import LARGEST_READ
+from nao_course.instructor.collecting.files import Files
 from nao_course.instructor.gradebook.records import ExerciseResult, State
 from nao_course.instructor.sandbox.protocol import SECONDS_IN_ALL, UNREADABLE, USED_UP
 from nao_course.instructor.sandbox.worker import TOO_OFTEN

@@ -21,6 +21,7 @@ MOST_FILES = 1_000_000  # in a folder of submissions; more is the wrong folder
 MOST_ENTRIES = 2000  # in a student's zip
 MOST_DIRECTORY = 2**20  # bytes of a student's zip's table of contents
 LARGEST_ZIP = 4 * MOST_BYTES
+LARGEST_READ = 2 * 2**20  # bytes of the largest notebook that is read as it is, and whose lines are shown
 DEEPEST = 6  # folders in folders
 MOST_RATIO, SMALL = 200, 10 * 2**20  # how much smaller a file may be in a zip, where it is not small anyhow
 _NOBODYS = {"__MACOSX", ".DS_Store", ".git", ".gitkeep", ".ipynb_checkpoints"}  # in a folder of all students

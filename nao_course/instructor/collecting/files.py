@@ -8,10 +8,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES
-from nao_course.instructor.collecting.archives import Refused, in_parts, read_plain
+from nao_course.instructor.collecting.archives import LARGEST_READ, Refused, in_parts, read_plain
 from nao_course.instructor.collecting.submissions import Submission
-
-LARGEST_READ = 2 * 2**20  # bytes of the largest notebook that is read as it is, and whose lines are shown
 
 
 @dataclass(frozen=True)

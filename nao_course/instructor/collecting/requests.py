@@ -2,22 +2,44 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
-from nao_course.homework import REQUEST
-from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
-from nao_course.instructor.collecting.names import clean_name, name_file
-from nao_course.instructor.collecting.wrappers import unwrap
+from nao_course._internal.text_encodings import NotTextError, decode_text
+from nao_course.exercises.lesson_names import number_of
+from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_zip
+from nao_course.instructor.collecting.layouts import HandedIn, is_request
+from nao_course.instructor.collecting.names import clean_name
+from nao_course.instructor.collecting.submissions import open_download
 
 LARGEST = 20_000  # bytes of a file
-_BEGINS = re.compile(r"\s*([A-Za-z_]\w*)\s*:(.*)", re.ASCII)
+LONGEST_LINE = 80  # characters of a line that is quoted
+# Bullets, quotation marks and Markdown.
+_SIGNS = r"""[\s>*+#\u2022\u00b7\u2013\u2014`'"\u201c\u201d\u201e\u00ab\u00bb_-]*+"""
+_COLON = r"[:\uff1a\ufe55](?!//)"
+_NUMBER = rf"{_SIGNS}(?:(?:lesson|exercise)\s++)?(?P<number>\d{{1,2}}(?:\.\d{{1,2}})?)"
+_BY_NAME = re.compile(
+    rf"(?:{_NUMBER}[.):\uff1a\s]*+)?{_SIGNS}(?P<name>[^\W\d_]\w*+(?:[ -]\w++){{0,4}})(?:\(\))?{_SIGNS}{_COLON}"
+    r"(?P<text>.*)",
+    re.IGNORECASE,
+)
+_BY_NUMBER = re.compile(rf"{_NUMBER}{_SIGNS}{_COLON}(?P<text>.*)", re.IGNORECASE)
+
+
+class AskedAbout(NamedTuple):
+    """An exercise that a student may ask about: its lesson, its number in the lesson ("1.4") and its name."""
+
+    lesson: str
+    number: str
+    name: str
 
 
 def request_files(
     path: Path, scratch: Path, lessons: Sequence[str], known: Collection[str]
-) -> tuple[dict[str, str], list[str]]:
+) -> tuple[dict[str, str], list[tuple[str, str]]]:
     """Find the request files in a folder or zip of submissions.
 
     Parameters
@@ -34,65 +56,123 @@ def request_files(
     Returns
     -------
     texts : dict of str to str
-        Text of the file by student.
-    problems : list of str
-        Files that cannot be read, with the reason.
+        Text of the newest file by student.
+    problems : list of (str, str)
+        Student, or an empty string, and why a file cannot be read.
 
     Raises
     ------
     ValueError
         If the path is neither a folder nor a zip.
     """
-    try:
-        items = list(in_folder(path)) if path.is_dir() else in_zip(path, students=False)
-    except Refused as refused:
-        raise ValueError(f"{path} is not a folder of submissions or a zip of them; {refused}") from None
-    texts, problems = dict[str, str](), list[str]()
-    for item in unwrap(items, lessons, known).items:
-        name = name_file(item.parts, lessons)
-        if name is None or item.ignored:
+    unwrapped, students = open_download(path, lessons, known)
+    found: dict[str, tuple[tuple[object, ...], str]] = {}
+    problems = list[tuple[str, str]]()
+    for item in unwrapped.items:
+        name = students.of(item.parts)
+        if item.ignored:
             continue
-        student = clean_name(name.student)
+        shown = clean_name("/".join(item.parts))
+        student = clean_name(name.student) if name and not name.problem else ""
         try:
-            for each in _inside(item, scratch):
-                if each.parts[-1] == REQUEST:
-                    texts[student] = each.content(LARGEST).decode("utf-8", "replace")
-        except Refused as refused:
-            problems.append(f"{student}: {clean_name('/'.join(item.parts))}: {refused}")
-    return texts, problems
+            for each in _requests_of(item, name, scratch):
+                if problem := (name.problem if name else "it names no student") or unwrapped.refused.get(
+                    item.parts[0]
+                ):
+                    problems.append(("", f"{shown}: {problem}"))
+                elif unwrapped.wrapper:
+                    problems.append(("", f"{shown}: {_may_be_a_students(clean_name(unwrapped.wrapper))}"))
+                else:
+                    text = (getattr(name, "order", ()), each.time), decode_text(each.content(LARGEST))
+                    found[student] = max(found.get(student, text), text)
+        except (Refused, NotTextError) as error:
+            problems.append((student, f"{shown}: {error}"))
+        except Exception as error:  # noqa: BLE001 - whatever is in a stranger's file, the next one is read
+            problems.append((student, f"{shown}: it cannot be read ({type(error).__name__})"))
+    return {student: text for student, (_, text) in found.items()}, problems
 
 
-def _inside(item: Item, scratch: Path) -> Iterator[Item]:
-    """Yield a file, or the files of a student's zip."""
+def _may_be_a_students(wrapper: str) -> str:
+    return (
+        f"the folder {wrapper} around this request may be a student's. If it is not, give that folder itself (unpack a "
+        "zip first)"
+    )
+
+
+def _requests_of(item: Item, name: HandedIn | None, scratch: Path) -> Iterator[Item]:
+    """Yield the request files among a file and, if it is a student's zip, the files in it."""
     if not item.parts[-1].lower().endswith(".zip"):
-        yield item
+        if is_request(name.file if name else item.parts[-1]):
+            yield item
         return
     path = item.source
     if item.entry is not None:
         path = scratch / "handed_in.zip"
         path.write_bytes(item.content(LARGEST_ZIP))
-    yield from in_zip(path, students=True)
+    yield from (
+        each for each in in_zip(path, students=True) if is_request(each.parts[-1]) and not each.ignored
+    )
 
 
-def requests_in(text: str, exercises: Collection[str]) -> tuple[dict[str, str], list[str]]:
-    r"""Return the requests of a file by exercise, and the lines before the first one.
+def requests_in(text: str, exercises: Sequence[AskedAbout]) -> tuple[dict[tuple[str, str], str], list[str]]:
+    r"""Return the requests of a file by lesson and exercise, and what could not be read.
 
     Examples
     --------
-    >>> requests_in("hue_mask: red is right,\nsee page 3\nhue: no", ["hue_mask"])
-    ({'hue_mask': 'red is right,\nsee page 3\nhue: no'}, [])
-    >>> requests_in("Please!", ["hue_mask"])
-    ({}, ['Please!'])
+    >>> exercises = [AskedAbout("01_hsl_filtering", "1.4", "hue_mask")]
+    >>> requests_in("* Hue_Mask: red is right,\nsee page 3: it says so\nhue_mas: no", exercises)
+    ({('01_hsl_filtering', 'hue_mask'): 'red is right,\nsee page 3: it says so'}, ["'hue_mas: no' (is it hue_mask?)"])
     """
-    found: dict[str, list[str]] = {}
-    lost = []
-    name = ""
+    found: dict[tuple[str, str], list[str]] = {}
+    lost = list[str]()
+    reason: list[str] | None = None  # where the next lines belong
     for line in text.splitlines():
-        begins = _BEGINS.fullmatch(line)
-        if begins and begins[1] in exercises:
-            name, line = begins[1], begins[2]
-        if name:
-            found.setdefault(name, []).append(line.strip())
+        meant, said, name = _beginning(line, exercises)
+        if len(meant) == 1:
+            reason = found.setdefault((meant[0].lesson, meant[0].name), [])
+            reason.append(said.strip())
+        elif meant or name:
+            near = _near(name, exercises)
+            hint = (
+                "say of which lesson"
+                if meant
+                else f"is it {near[0]}?"
+                if near
+                else "no exercise has this name"
+            )
+            lost.append(f"{line.strip()[:LONGEST_LINE]!r} ({hint})")
+            reason = []
+        elif reason is not None:
+            reason.append(line.strip())
         elif line.strip():
-            lost.append(line.strip()[:80])
-    return {name: "\n".join(lines).strip() for name, lines in found.items()}, lost
+            lost.append(f"{line.strip()[:LONGEST_LINE]!r} (no exercise is named before it)")
+    return {key: "\n".join(lines).strip() for key, lines in found.items()}, lost
+
+
+def _beginning(line: str, exercises: Sequence[AskedAbout]) -> tuple[list[AskedAbout], str, str]:
+    """Return the exercises that the beginning of a line may mean, the rest of the line, and the name in the line.
+
+    The name is empty if the line only goes on with a reason: "see page 3: it says so" names no exercise.
+    """
+    by_name, by_number = _BY_NAME.fullmatch(line), _BY_NUMBER.fullmatch(line)
+    if by_name:
+        name, number = by_name["name"], by_name["number"] or ""
+        there = [each for each in exercises if _plain(each.name) == _plain(name)]
+        exact = [each for each in there if number in (each.number, each.number.partition(".")[0])]
+        exact = exact or [each for each in there if number.zfill(2) == number_of(each.lesson)]
+        if there:
+            return (exact or there), by_name["text"], name
+    if by_number and "." in (number := by_number["number"]):
+        return [each for each in exercises if each.number == number], by_number["text"], number
+    if by_name:
+        is_one_word = not re.search(r"[\s-]", name) and (name[0].islower() or "_" in name)
+        return [], "", name if is_one_word or _near(name, exercises) else ""
+    return [], "", ""
+
+
+def _near(name: str, exercises: Sequence[AskedAbout]) -> list[str]:
+    return difflib.get_close_matches(_plain(name), [each.name for each in exercises], 1, 0.75)
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\s-]+", "_", name.casefold())

@@ -5,29 +5,32 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
+from nao_course._internal.counts import say_count
+from nao_course.exercises.lesson_names import found_in, lesson_and_more, lesson_of
 from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
-from nao_course.homework import REQUEST
 from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
-from nao_course.instructor.collecting.names import (
-    NamedFile,
-    clean_name,
-    is_a_platforms,
-    is_online_text,
-    lesson_of,
-    mentions_a_lesson,
-    name_file,
-    student_of_a_platforms,
+from nao_course.instructor.collecting.choosing import NOT_LOOKED_AT, Look, look_into
+from nao_course.instructor.collecting.layouts import HandedIn, Students, added_for, is_request
+from nao_course.instructor.collecting.marks import without_weak_marks
+from nao_course.instructor.collecting.names import clean_name
+from nao_course.instructor.collecting.wrappers import (
+    Unwrapped,
+    reason_for,
+    students_in,
+    students_of_zips,
+    unwrap,
 )
-from nao_course.instructor.collecting.wrappers import reason_for, students_in, students_of_zips, unwrap
 
 _MOST_NOTES = 20
+_MOST_LOOKED_INTO = 8  # notebooks of one student and lesson, the newest ones
+_EARLIEST, _LATEST = (datetime(year, 1, 1, tzinfo=UTC) for year in (2020, 2100))  # of a receipt
 _ALIKE = "{} folders or files have names that are too similar to assign them to students: rename them"
 _MOVE_ZIPS = "Put each zip into a folder that is named after its student"
 _STAMPED = re.compile(rb'"nao_course"\s*:\s*\{[^{}]{0,200}?"lesson"\s*:\s*"([^"\\]{1,100})"')
@@ -85,7 +88,11 @@ class Gathered:
     not_graded : tuple of str
         Files that may be a student's work, and students of whom there is no notebook of a wanted lesson.
     wrapper : str
-        Name of the folder that was around everything, and was not taken for a student's; often empty.
+        Name of a folder that was around everything and may be a student's; often empty.
+    recognised : tuple of str
+        A line for each platform whose names were recognised.
+    older : tuple of str
+        A line for each student whose newest notebook does not count, with the reason.
     """
 
     submissions: tuple[Submission, ...]
@@ -93,6 +100,8 @@ class Gathered:
     unknown: tuple[str, ...] = ()
     not_graded: tuple[str, ...] = ()
     wrapper: str = ""
+    recognised: tuple[str, ...] = ()
+    older: tuple[str, ...] = ()
 
 
 def with_earlier(
@@ -130,8 +139,9 @@ def gather(
     *,
     one_student: bool = False,
     known: Collection[str] = (),
+    released: Path | None = None,
 ) -> Gathered:
-    """Find all submissions. If a student has several of a lesson, use the newest readable one.
+    """Find all submissions. If a student has several of a lesson, use the newest one in which something is answered.
 
     Parameters
     ----------
@@ -147,6 +157,8 @@ def gather(
         Whether the one folder in it is a student's, whatever is in that.
     known : collection of str
         Students of earlier runs: a folder with such a name is that student's, whatever is in it.
+    released : Path, optional
+        Folder of the released notebooks: a notebook that only repeats one of them is not answered.
 
     Returns
     -------
@@ -158,7 +170,31 @@ def gather(
     ValueError
         If the path does not exist, or is neither a folder nor a zip.
     """
-    search = _Search(scratch, tuple(lessons), tuple(lessons if wanted is None else wanted))
+    unwrapped, students = open_download(path, lessons, known, one_student=one_student)
+    search = _Search(
+        scratch, tuple(lessons), tuple(lessons if wanted is None else wanted), students, released
+    )
+    search.refused = unwrapped.refused
+    for item in unwrapped.items:
+        search.look_at(item)
+    return replace(search.result(), wrapper=clean_name(unwrapped.wrapper))
+
+
+def open_download(
+    path: Path, lessons: Sequence[str], known: Collection[str] = (), *, one_student: bool = False
+) -> tuple[Unwrapped, Students]:
+    """List the files of a download, and find out whose they are.
+
+    Parameters
+    ----------
+    path, lessons, known, one_student
+        As in `gather`.
+
+    Raises
+    ------
+    ValueError
+        If the path does not exist, or is neither a folder nor a zip.
+    """
     if path.is_dir():
         items = list(in_folder(path))
     elif path.is_file():
@@ -170,12 +206,9 @@ def gather(
         raise ValueError(f"{path} does not exist. Give a folder of submissions or a zip of them")
     if one_student:
         known = {clean_name(item.parts[0]) for item in items}
-    search.known = {clean_name(each).casefold() for each in known}
-    unwrapped = unwrap(items, search.lessons, known)
-    search.refused = unwrapped.refused
-    for item in unwrapped.items:
-        search.look_at(item)
-    return replace(search.result(), wrapper=clean_name(unwrapped.wrapper))
+    root = path.resolve().name
+    unwrapped = unwrap(items, lessons, known, root.removesuffix(".zip"))
+    return unwrapped, Students(unwrapped.items, lessons, known, unwrapped.platforms)
 
 
 # --- who handed in what ---
@@ -186,32 +219,54 @@ class _Candidate:
     """A notebook that may be a student's submission."""
 
     item: Item
-    order: tuple[Any, ...]  # first what the platform says, then the time
+    name: HandedIn
     home: tuple[Any, ...]  # helpers with the same one belong to it
     shown: str
-    late: bool
     packed: float  # when its zip of `nao-course submit` was made; 0 without one
-    is_named: bool  # after its lesson; otherwise only its metadata name the lesson
+    number: int  # among the student's notebooks of the lesson
+    is_named: bool = True  # exactly after its lesson
+    more: str = ""  # words behind the lesson's name
+    note: str = ""  # about its receipt
+    look: Look = NOT_LOOKED_AT
 
     @property
-    def is_dated(self) -> bool:
-        """Return whether the time is known: the times in Moodle's zip are the times of the download."""
-        return bool(self.packed) or self.item.entry is None or not is_a_platforms(self.item.parts[0])
+    def time(self) -> float:
+        """The time of the receipt or file; 0 in Moodle's zip, whose times are those of the download."""
+        undated = self.name.platform == "Moodle" and self.item.entry is not None
+        return self.packed or (0.0 if undated else self.item.time)
+
+    @property
+    def age(self) -> tuple[Any, ...]:
+        """What makes a notebook newer than another one: the platform's attempt and time, then the file's time."""
+        return (self.name.order, self.time)
+
+    @property
+    def reason(self) -> str:
+        """Why an older notebook counts before it; often empty."""
+        return self.item.problem or self.look.problem
 
 
 class _Search:
     """What has been found so far."""
 
-    def __init__(self, scratch: Path, lessons: tuple[str, ...], wanted: tuple[str, ...]) -> None:
+    def __init__(
+        self,
+        scratch: Path,
+        lessons: tuple[str, ...],
+        wanted: tuple[str, ...],
+        students: Students,
+        released: Path | None,
+    ) -> None:
         self.scratch, self.lessons, self.wanted = scratch, lessons, wanted
+        self.students, self.released = students, released
         self.candidates: dict[tuple[str, str], list[_Candidate]] = defaultdict(list)
         self.helpers: dict[tuple[Any, ...], list[tuple[str, Item]]] = defaultdict(list)
         self.unknown: list[str] = []
         self.lost: list[str] = []  # files that may be a student's work
+        self.older: list[str] = []
         self.owner = ""  # the student whose file is being looked at; empty for a file that names none
         self.owners: dict[str, bool] = {"": True}  # whether there is something of theirs that may be work
         self.named: set[str] = set()  # students with a line in `lost`
-        self.known: set[str] = set()  # students whose folders and zips are their own, in lower case
         self.refused: dict[str, str] = {}  # folders that are not one student's
         self.spellings: dict[str, set[str]] = defaultdict(set)  # of a student's name
         # Names of the zips that hold a lesson, by folder and lesson: they may be of several students.
@@ -219,31 +274,51 @@ class _Search:
         self.unpacked = 0
 
     def look_at(self, item: Item) -> None:
+        """Sort a file in; if that fails, name it, because one student's file does not stop the class."""
+        self.owner = ""
+        try:
+            self.sort_in(item)
+        except Exception as error:  # noqa: BLE001 - whatever is in a stranger's file, the next one is looked at
+            self.failed(clean_name("/".join(item.parts)), error)
+
+    def failed(self, shown: str, error: Exception) -> None:
+        """Record a file or a student at which the grader itself failed."""
+        said = f"{type(error).__name__}: {error}"[:200]
+        self.lost.append(f"{shown}: the grader failed here ({clean_name(said)}); look at it yourself")
+        self.owners[self.owner] = True
+        self.named.add(self.owner)
+
+    def sort_in(self, item: Item) -> None:
         """Sort a file in."""
         first = item.parts[0]
         if first in self.refused:
             self.leave_out_folder(first)
             return
-        name = name_file(item.parts, self.lessons)
+        shown = clean_name("/".join(item.parts))
+        name = self.students.of(item.parts)
+        if name and name.problem:
+            if not item.ignored and added_for(item.parts) is None:
+                self.leave_out(shown, name.problem, is_lost=True)
+            return
         self.owner = name.student if name else ""
         self.owners.setdefault(self.owner, False)
-        is_work = item.parts[-1].lower().endswith((".ipynb", ".zip"))
-        if item.ignored or (is_online_text(first) and not is_work):
+        if item.ignored or added_for(item.parts) is not None:
             return
-        shown = clean_name("/".join(item.parts))
         if name is None:
-            spoiled = mentions_a_lesson(first, self.lessons) and not first.lower().endswith(
-                (".ipynb", ".zip")
-            )
+            mentioned = any(found_in(first, self.lessons))
+            spoiled = mentioned and not first.lower().endswith((".ipynb", ".zip"))
             reason = "it is no notebook" if spoiled else "it names no student and lesson"
-            size = 0 if spoiled or item.problem else item.size  # a student's work, or a link to it
-            self.leave_out(shown, item.problem or reason, size)
+            if mentioned and not spoiled:
+                reason = (
+                    "no student's name stands before the lesson's; put it into a folder that has that name"
+                )
+            self.leave_out(shown, item.problem or reason, is_lost=spoiled or bool(item.problem))
         elif name.file.lower().endswith(".zip"):
-            self.look_into(item, name, shown)
+            self.look_into_zip(item, name, shown)
         else:
-            self.take(item, name, (item.source.parent, item.parts[:-1]), item.time, shown)
+            self.take(item, name, (item.source.parent, item.parts[:-1]), shown)
 
-    def look_into(self, item: Item, name: NamedFile, shown: str) -> None:
+    def look_into_zip(self, item: Item, name: HandedIn, shown: str) -> None:
         """Sort in what a student's zip holds."""
         try:
             path = self.unpack(item, "handed_in.zip", LARGEST_ZIP)
@@ -251,17 +326,11 @@ class _Search:
         except Refused as refused:
             lesson = lesson_of(name.file, self.lessons) or (self.wanted[0] if len(self.wanted) == 1 else "")
             if lesson:
-                self.add(
-                    replace(item, problem=str(refused)), name, lesson, (), (name.order, item.time), shown
-                )
+                self.add(replace(item, problem=str(refused)), name, lesson, (), shown)
             else:
                 self.leave_out(shown, str(refused))
             return
-        is_certain = (
-            bool(student_of_a_platforms(item.parts[0], self.lessons))
-            or is_a_platforms(item.parts[0])
-            or clean_name(name.student).casefold() in self.known
-        )
+        is_certain = name.is_certain or self.students.is_known(name.student)
         if not is_certain:
             several = students_in(
                 [each.parts for each in inside if not each.ignored], self.lessons, name.student
@@ -269,7 +338,7 @@ class _Search:
             if several:
                 self.leave_out(shown, reason_for(several, "Grade this zip by itself"))
                 return
-        packed = _receipt_time(inside)
+        packed, note = _receipt_time(inside)
         if not any(
             each.parts[-1].lower().endswith((".ipynb", ".zip")) for each in inside if not each.ignored
         ):
@@ -282,31 +351,35 @@ class _Search:
             if inner.file.lower().endswith(".zip"):
                 self.leave_out(within, "a zip within a zip is not opened")
             else:
-                self.take(each, inner, (path, each.parts[:-1]), packed or item.time, within, packed)
+                time = packed or item.time
+                self.take(replace(each, time=time), inner, (path, each.parts[:-1]), within, packed, note)
                 if not is_certain and (lesson := lesson_of(inner.file, self.lessons)):
                     self.zips[item.parts[:-1], lesson].add(item.parts[-1].rpartition(".")[0])
 
     def take(
         self,
         item: Item,
-        name: NamedFile,
+        name: HandedIn,
         place: tuple[Any, ...],
-        time: float,
         shown: str,
         packed: float = 0.0,
+        note: str = "",
     ) -> None:
         """Sort in a notebook or helper."""
         home = (name.student, *place)
         if name.file.lower().endswith(".ipynb"):
-            named = lesson_of(name.file, self.lessons)
-            if lesson := named or self.wanted_by_metadata(item):
-                self.add(item, name, lesson, home, (name.order, time), shown, packed, is_named=bool(named))
+            if lesson := lesson_of(name.file, self.lessons):
+                self.add(item, name, lesson, home, shown, packed, note)
+                return
+            lesson, more = lesson_and_more(name.file, self.lessons)
+            if lesson := lesson or self.wanted_by_metadata(item):
+                self.add(item, name, lesson, home, shown, packed, note, is_named=False, more=more)
             else:
                 self.leave_out(shown, "it is named after no lesson of this course")
         elif _MODULE.fullmatch(name.file):
             self.helpers[home].append((name.file, item))
-        else:
-            self.leave_out(shown, item.problem or "it is no notebook", item.size)
+        elif name.file != "receipt.json" and not is_request(name.file):
+            self.leave_out(shown, item.problem or "it is no notebook")
 
     def wanted_by_metadata(self, item: Item) -> str:
         """Return the only wanted lesson if the metadata of a notebook name it; otherwise an empty string."""
@@ -319,12 +392,10 @@ class _Search:
             return ""
         return self.wanted[0] if found == {self.wanted[0].encode()} else ""
 
-    def leave_out(self, shown: str, reason: str, size: int = 0) -> None:
-        """Record a path that is not graded. A notebook, a zip or a folder may be a student's work."""
+    def leave_out(self, shown: str, reason: str, *, is_lost: bool = False) -> None:
+        """Record a path that is not graded. A notebook, a zip, a link or a folder may be a student's work."""
         file = shown.rpartition("/")[2].lower()
-        if file in ("receipt.json", REQUEST):
-            return
-        may_be_work = file.endswith((".ipynb", ".zip")) or not size  # a folder, a link, a pipe
+        may_be_work = is_lost or file.endswith((".ipynb", ".zip"))
         (self.lost if may_be_work else self.unknown).append(f"{shown}: {reason}")
         self.owners[self.owner] |= may_be_work
         if may_be_work:
@@ -339,14 +410,15 @@ class _Search:
     def add(
         self,
         item: Item,
-        name: NamedFile,
+        name: HandedIn,
         lesson: str,
         home: tuple[Any, ...],
-        order: tuple[Any, ...],
         shown: str,
         packed: float = 0.0,
+        note: str = "",
         *,
         is_named: bool = True,
+        more: str = "",
     ) -> None:
         """Remember a notebook."""
         if not item.problem and item.size == 0:
@@ -359,14 +431,17 @@ class _Search:
         key = (clean_name(name.student), lesson)
         self.spellings[key[0]].add(name.student)
         found = self.candidates[key]
-        order = (*order, shown, len(found))  # a zip's later one counts
-        found.append(_Candidate(item, order, home, shown, name.late, packed, is_named))
+        found.append(_Candidate(item, name, home, shown, packed, len(found), is_named, more, note))
 
     def result(self) -> Gathered:
         """Choose what counts and unpack it."""
         self.leave_out_zips_of_several()
-        keys = sorted(key for key in self.candidates if key[1] in self.wanted)
-        chosen = [self.choose(*key) for key in keys]
+        chosen = []
+        for student, lesson in sorted(key for key in self.candidates if key[1] in self.wanted):
+            try:
+                chosen += self.choose(student, lesson)
+            except Exception as error:  # noqa: BLE001 - whatever is in a stranger's file, the next student is graded
+                self.failed(f"{student}, {lesson}", error)
         empty = [
             f"{clean_name(owner)}: there is no notebook of a lesson"
             for owner, has_work in self.owners.items()
@@ -378,7 +453,24 @@ class _Search:
             tuple(each for each in chosen if each.reason),
             (*lost, *self.unknown),
             lost,
+            recognised=tuple(self.recognised()),
+            older=tuple(self.older),
         )
+
+    def recognised(self) -> Iterator[str]:
+        """Yield a line for each platform: how many students and attempts it has, and which attempt counts."""
+        attempts: dict[str, list[tuple[str, str]]] = defaultdict(list)
+        for key, found in self.candidates.items():
+            if key[1] in self.wanted:
+                for each in found:
+                    attempts[each.name.platform].append(key)
+        for platform, keys in attempts.items():
+            lessons = len({lesson for _, lesson in keys})
+            counts = [say_count(len({student for student, _ in keys}), "student")]
+            counts += [say_count(lessons, "lesson")] if lessons > 1 else []
+            counts.append(say_count(len(keys), "attempt"))
+            more = "; the newest of each counts" if len(set(keys)) < len(keys) else ""
+            yield f"{platform}: {', '.join(counts)}{more}."
 
     def leave_out_zips_of_several(self) -> None:
         """Leave out each folder whose zips hold the same lesson and are named after several students."""
@@ -404,16 +496,56 @@ class _Search:
             if student not in named and lessons.isdisjoint(self.wanted)
         ]
 
-    def choose(self, student: str, lesson: str) -> Submission:
-        """Return the newest readable submission, or else the newest one with the reason why it is refused."""
-        newest = sorted(
-            self.candidates[student, lesson], key=lambda each: (each.is_named, each.order), reverse=True
+    def choose(self, student: str, lesson: str) -> list[Submission]:
+        """Return the newest readable and answered notebook, or else the newest one with the reason why it is refused.
+
+        A notebook in which nothing is answered counts before an unreadable one. The list is empty if the notebooks may
+        be of several students.
+        """
+        found = sorted(
+            self.candidates[student, lesson], key=lambda each: (each.is_named, each.age), reverse=True
         )
-        best = next((each for each in newest if not each.item.problem), newest[0])
-        others = [each for each in newest if each is not best]
+        words = {without_weak_marks(each.more).casefold() for each in found if each.more}
+        if len(words) > 1 and not any(each.is_named for each in found):
+            names = " and ".join(sorted(each.shown for each in found)[:3])
+            self.lost.append(
+                f"{student}: {names} have different words behind the lesson's name. If they are of several students, "
+                "put each into a folder that has the student's name; otherwise remove all but one"
+            )
+            return []
+        readable = [each for each in found if not each.item.problem]
+        if len(readable) > 1:
+            looked = {
+                each.number: replace(each, look=look_into(each.item, lesson, self.released))
+                for each in readable[:_MOST_LOOKED_INTO]
+            }
+            beyond = {each.number: replace(each, look=Look("", -1)) for each in readable[_MOST_LOOKED_INTO:]}
+            found = [(looked | beyond).get(each.number, each) for each in found]
+        best, *others = sorted(
+            found,
+            key=lambda it: (
+                not it.item.problem,
+                it.look.rank,
+                it.is_named,
+                it.age,
+                it.look.answers,
+                it.look.digest,
+                it.number,
+            ),
+            reverse=True,
+        )
         notes = [f"{each.shown} does not count: {_why_not(each, best)}" for each in others[:_MOST_NOTES]]
+        newest = max(found, key=lambda each: each.age)
+        if newest.age > best.age and newest.reason:
+            self.older.append(
+                f"{student}, {lesson}: {best.shown} counts, because the newer {newest.shown} cannot be used "
+                f"({newest.reason})"
+            )
+        if best.note:
+            notes.insert(0, best.note)
         if not best.is_named:
-            notes.insert(0, f"{best.shown} counts as {lesson}, because its metadata name that lesson")
+            why = "its name begins with that lesson's" if best.more else "its metadata name that lesson"
+            notes.insert(0, f"{best.shown} counts as {lesson}, because {why}")
         made = Submission(
             student,
             lesson,
@@ -423,12 +555,12 @@ class _Search:
             handed_in=datetime.fromtimestamp(best.packed, UTC).isoformat(" ", "minutes")
             if best.packed
             else "",
-            late=best.late,
+            late=best.name.late,
         )
         if len(self.spellings[student]) > 1:
             made = replace(made, reason=_ALIKE.format(len(self.spellings[student])))
         if made.reason:
-            return replace(made, notes=tuple(notes))
+            return [replace(made, notes=tuple(notes))]
         helpers: list[tuple[str, Item]] = []
         for name, item in self.helpers.get(best.home, []):
             if len(helpers) >= MOST_HELPERS or item.size > LARGEST_HELPER or item.problem:
@@ -440,8 +572,8 @@ class _Search:
             path = self.unpack(best.item, f"{lesson}.ipynb", MOST_BYTES)
             beside = tuple((name, self.unpack(item, name, LARGEST_HELPER)) for name, item in helpers)
         except Refused as refused:
-            return replace(made, notes=tuple(notes), reason=str(refused))
-        return replace(made, path=path, helpers=beside, notes=tuple(notes))
+            return [replace(made, notes=tuple(notes), reason=str(refused))]
+        return [replace(made, path=path, helpers=beside, notes=tuple(notes))]
 
     def unpack(self, item: Item, name: str, most: int) -> Path:
         """Copy what is in a zip into the scratch folder, under a name of our own; a plain file stays where it is."""
@@ -459,13 +591,13 @@ class _Search:
 
 def _why_not(other: _Candidate, best: _Candidate) -> str:
     """Return the reason why one notebook does not count and the other one does."""
-    if other.item.problem:
-        return other.item.problem
+    if other.reason and (other.item.problem or other.look.rank < best.look.rank):
+        return other.reason
     if best.is_named > other.is_named:
         return "another one has the lesson's name"
-    if best.order[0] == other.order[0] and not (best.is_dated and other.is_dated):
-        return "another one counts"
-    return "another one is newer" if best.order[:2] > other.order[:2] else "another one counts"
+    if best.age > other.age and (best.name.order > other.name.order or (best.time and other.time)):
+        return "another one is newer"
+    return "another one has more answers" if best.look.answers > other.look.answers else "another one counts"
 
 
 def _each_student_first(lines: list[str]) -> tuple[str, ...]:
@@ -479,16 +611,27 @@ def _each_student_first(lines: list[str]) -> tuple[str, ...]:
     return tuple(line for _, line in sorted(zip(turns, lines, strict=True), key=itemgetter(0)))
 
 
-def _receipt_time(items: Iterable[Item]) -> float:
-    """Return the time at which a zip of `nao-course submit` was made, from its receipt; 0 without one."""
+def _receipt_time(items: Iterable[Item]) -> tuple[float, str]:
+    """Return the time at which a zip of `nao-course submit` was made, and a note if its receipt has no usable time.
+
+    The time is 0 without a usable one. A receipt is a student's file: a time without an offset from UTC would be
+    another one on each grader's machine, and the year 9999 is nobody's.
+    """
     for item in items:
         if item.parts[-1] == "receipt.json":
             try:
-                told = json.loads(item.content(2**16))
-                return datetime.fromisoformat(told["time"]).timestamp()
+                told = datetime.fromisoformat(json.loads(item.content(2**16))["time"])
+                if told.tzinfo is None:
+                    return 0.0, f"the receipt's time {told} does not count, because it has no offset from UTC"
+                if not _EARLIEST <= told < _LATEST:
+                    return (
+                        0.0,
+                        f"the receipt's time {told} does not count, because it is not between 2020 and 2100",
+                    )
+                return told.timestamp(), ""
             except (Refused, ValueError, TypeError, KeyError, RecursionError, OverflowError):
-                return 0.0
-    return 0.0
+                return 0.0, "the receipt does not count, because it has no time that can be read"
+    return 0.0, ""
 
 
 def of_lessons(gathered: Gathered, lessons: Sequence[str]) -> list[Submission]:

@@ -8,25 +8,15 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import takewhile
 
+from nao_course.exercises.lesson_names import lesson_of
 from nao_course.instructor.collecting.archives import Item
-from nao_course.instructor.collecting.names import (
-    clean_name,
-    is_a_lesson,
-    is_a_platforms,
-    lesson_of,
-    name_file,
-    student_of_a_platforms,
-)
+from nao_course.instructor.collecting.layouts import handed_in, is_a_lesson, is_a_platforms, without_wrappers
+from nao_course.instructor.collecting.marks import read_marks
+from nao_course.instructor.collecting.names import clean_name
 
 _MOST_NAMED = 3
 _ZIP = ".zip"
 _OF_A_LESSON = "it is named after a lesson, not after a student. Grade this folder by itself"
-# Ends in the time at which it was handed in.
-_BRIGHTSPACE = re.compile(r"\d+-\d+ - (?P<student>.+) - .*\d{3,4} [AP]M")
-_HANDED_IN_AGAIN = (
-    "Brightspace made several folders for a student of this name. Rename the newest to the student's name and remove "
-    "the others"
-)
 # What students call their folders and copies.
 _OWN = re.compile(
     r"(?:\d|my|old|new|backup|draft|final|copy|work|homework|hw|submission(?:-\d+)*"
@@ -44,17 +34,22 @@ class Unwrapped:
     items : list of Item
         Each one's first part is a student's folder, or the file itself.
     wrapper : str
-        Name of the folder that was around all of them, which is not a student's; empty if there was none.
+        Name of the folder that was around all of them and might be a student's; empty if there was none.
     refused : dict of str to str
         Folders that hold the work of several students although others lie beside them, and the reason.
+    platforms : dict of str to str
+        Platforms by students' folders, if the folder around them has the name that the platform gives it.
     """
 
     items: list[Item]
     wrapper: str
     refused: dict[str, str]
+    platforms: dict[str, str]
 
 
-def unwrap(items: Iterable[Item], lessons: Sequence[str], known: Collection[str] = ()) -> Unwrapped:
+def unwrap(
+    items: Iterable[Item], lessons: Sequence[str], known: Collection[str] = (), root: str = ""
+) -> Unwrapped:
     """Remove a folder around all students, and name folders that cannot belong to one student.
 
     Parameters
@@ -65,19 +60,20 @@ def unwrap(items: Iterable[Item], lessons: Sequence[str], known: Collection[str]
         Names of the lessons that there are.
     known : collection of str
         Students of earlier runs: their folders are their own, whatever they contain.
+    root : str
+        Name of the folder or zip that holds the files.
 
     Returns
     -------
     Unwrapped
         Files, without the wrapper.
     """
-    items = list(items)
     theirs = {clean_name(each).casefold() for each in known}
+    items, platforms = without_wrappers(items, lambda name: clean_name(name).casefold() in theirs, root)
     folders: dict[str, list[Item]] = defaultdict(list)
     for item in items:
         folders[item.parts[0]].append(item)
-    refused = _handed_in_again(folders)
-    several = dict[str, list[str]]()
+    refused, several = dict[str, str](), dict[str, list[str]]()
     for folder, inside in folders.items():
         if is_a_platforms(folder) or clean_name(folder).casefold() in theirs:
             continue
@@ -92,18 +88,9 @@ def unwrap(items: Iterable[Item], lessons: Sequence[str], known: Collection[str]
         paths = [item.parts for item in folders[first] if not item.ignored]
         around = paths[0][: _common_folders(paths) if several[first] else 1]
         if not {each.casefold() for each in around} & {each.casefold() for each in several[first]}:
-            inner = unwrap([_without(around, item) for item in folders[first]], lessons, known)
+            inner = unwrap([_without(around, item) for item in folders[first]], lessons, known, around[-1])
             return replace(inner, wrapper="/".join(filter(None, [*around, inner.wrapper])))
-    return Unwrapped(items, "", refused)
-
-
-def _handed_in_again(folders: Iterable[str]) -> dict[str, str]:
-    """Return Brightspace's folders of a student who has several, and the reason: each would count as a student."""
-    students: dict[str, list[str]] = defaultdict(list)
-    for folder in folders:
-        if found := _BRIGHTSPACE.fullmatch(folder):
-            students[found["student"]].append(folder)
-    return {each: _HANDED_IN_AGAIN for theirs in students.values() if len(theirs) > 1 for each in theirs}
+    return Unwrapped(items, "", refused, platforms)
 
 
 def _without(around: tuple[str, ...], item: Item) -> Item:
@@ -134,7 +121,8 @@ def students_in(paths: Iterable[tuple[str, ...]], lessons: Sequence[str], folder
     if platforms := sorted({parts[0] for parts in inside if len(parts) > 1 and is_a_platforms(parts[0])}):
         return platforms
     files = [(parts[0], kind) for parts in inside if len(parts) == 1 and (kind := _kind(parts[0], lessons))]
-    named = {student_of_a_platforms(file, lessons) for file, _ in files} - {""}
+    found = [each for each in (handed_in((file,), lessons) for file, _ in files) if each]
+    named = {each.student for each in found if each.is_certain}
     if len(named) > 1 or any(not _is_named_after(each, folder) for each in named):
         return sorted(named)
     folders: dict[str, list[tuple[str, ...]]] = defaultdict(list)
@@ -162,15 +150,17 @@ def students_in(paths: Iterable[tuple[str, ...]], lessons: Sequence[str], folder
 
 def _named_in(files: Sequence[str], lessons: Sequence[str], folder: str) -> set[str]:
     """Return the students whom files of one lesson are named after; none if one of the files is the folder's own."""
-    found = [name_file((file,), lessons) for file in files]
+    found = [handed_in((file,), lessons) for file in files]
     students = {each.student for each in found if each}
-    own = None in found or any(folder.casefold() == each.casefold() for each in students)
+    own = not all(each and not each.problem for each in found) or any(
+        folder.casefold() == each.casefold() for each in students
+    )
     return set() if own else students
 
 
 def _is_a_students_own(name: str, lessons: Sequence[str]) -> bool:
     """Return whether a student would call a folder or copy so: no person is called "old" or "week 2"."""
-    return bool(_OWN.fullmatch(name)) or is_a_lesson(name, lessons)
+    return bool(_OWN.fullmatch(name)) or is_a_lesson(name, lessons) or not read_marks(name).name
 
 
 def _common_folders(paths: Sequence[tuple[str, ...]]) -> int:
@@ -193,8 +183,10 @@ def _kind(file: str, lessons: Sequence[str]) -> str:
 
 def _is_named_after(student: str, folder: str) -> bool:
     """Return whether a platform's name of a student repeats the name of a folder, without number and in any order."""
-    name = student.rpartition("_")[0]
-    return folder.casefold() == student.casefold() or _letters(folder) == _letters(name)
+    return folder.casefold() == student.casefold() or _letters(folder) in (
+        _letters(student.rpartition("_")[0]),
+        _letters(student),
+    )
 
 
 def students_of_zips(zips: Collection[str], lessons: Sequence[str], folder: str) -> list[str]:

@@ -202,7 +202,9 @@ class Journal:
 
     # --- results ---
 
-    def keep(self, result: SubmissionResult, versions: str = "") -> None:
+    def keep(
+        self, result: SubmissionResult, versions: str = "", *, newest: SubmissionResult | None = None
+    ) -> None:
         """Store a result in one transaction; the result that it replaces moves to the history.
 
         A result that another grader has stored meanwhile for the same files is replaced without a trace.
@@ -213,6 +215,8 @@ class Journal:
             Complete.
         versions : str
             Of Python and libraries that it was graded with.
+        newest : SubmissionResult, optional
+            The result of a newer submission that does not count, so that it is not graded again.
 
         Raises
         ------
@@ -220,10 +224,11 @@ class Journal:
             If it cannot be written: the disk is full, or the file may only be read.
         """
         key = (result.student, result.lesson)
+        graded = newest or result
         row = (
             *key,
-            result.submission,
-            result.assignment,
+            graded.submission,
+            graded.assignment,
             result.status,
             result.level,
             result.seconds,
@@ -235,7 +240,7 @@ class Journal:
             self._database.execute(
                 f"INSERT INTO history SELECT {_COLUMNS} FROM results WHERE student = ? AND lesson = ? "
                 "AND (again = 1 OR submission <> ? OR assignment <> ?)",
-                (*key, result.submission, result.assignment),
+                (*key, graded.submission, graded.assignment),
             )
             self._database.execute(
                 f"INSERT INTO results ({_COLUMNS}) VALUES ({','.join('?' * len(row))}) "
@@ -339,14 +344,32 @@ class Journal:
         return {kind: each for kind, each in last.items() if each.text}
 
     def request(self, requests: Iterable[Request]) -> list[Request]:
-        """Keep requests that are not there yet, as open ones; return these."""
-        known = {(each.student, each.lesson, each.exercise, each.text) for each in self.requests()}
-        new = [
-            each for each in requests if (each.student, each.lesson, each.exercise, each.text) not in known
+        """Keep requests that are not there yet, and return what has changed.
+
+        A new text takes the place of an open request about the same exercise. What could not be read of a student's
+        earlier file (no exercise) is forgotten.
+        """
+        given, there = list(requests), self.requests()
+        known = {(each.student, each.lesson, each.exercise, each.text) for each in there}
+        new = [each for each in given if (each.student, each.lesson, each.exercise, each.text) not in known]
+        about = {(each.student, each.lesson, each.exercise) for each in new}
+        students, unread = (
+            {each.student for each in given},
+            {each.text for each in given if not each.exercise},
+        )
+        gone = [
+            each
+            for each in there
+            if (not each.answer and (each.student, each.lesson, each.exercise) in about)
+            or (not each.exercise and each.student in students and each.text not in unread)
         ]
         with self._writing():
+            self._database.executemany(
+                "DELETE FROM requests WHERE student = ? AND lesson = ? AND exercise = ? AND text = ?",
+                [(each.student, each.lesson, each.exercise, each.text) for each in gone],
+            )
             self._insert("requests", new, time=now())
-        return new
+        return [*new, *gone]
 
     def answer(self, student: str, lesson: str, exercise: str, answer: str, decided_on: str) -> bool:
         """Answer the open requests about a student's exercise; return whether there was one."""

@@ -207,6 +207,12 @@ class SubmissionResult:
         return tuple(each.removeprefix(ATTEMPT) for each in self.notes if each.startswith(ATTEMPT))
 
     @property
+    def is_answered(self) -> bool:
+        """Whether an exercise was attempted or a question was answered."""
+        attempted = any(each.state not in ("not attempted", "not found") for each in self.exercises)
+        return attempted or any(each.text.strip() for each in self.written)
+
+    @property
     def earned(self) -> float:
         """Return the points of all exercises; written answers count when they are marked."""
         return sum(each.earned for each in self.exercises)
@@ -336,7 +342,7 @@ class Request:
     Parameters
     ----------
     student, lesson, exercise : str
-        Whose, and which exercise.
+        The student, the lesson and the exercise; without an exercise it is what could not be read of a file.
     text : str
         What the student wrote.
     answer : str

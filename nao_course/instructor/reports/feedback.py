@@ -162,6 +162,7 @@ def feedback_page(score: Score) -> str:
         ),
         *(_refused(result) if result.status == "refused" else _exercises(score)),
         *_written(score),
+        *_unread_request(score),
         *_left_out(result),
         _footer(result),
     )
@@ -423,6 +424,12 @@ def _refused(result: SubmissionResult) -> Iterator[Markup]:
     yield _box("bad", "Why", result.reason or "The reason was not recorded: please ask.")
     yield element("h2", "What to do now")
     yield element("ol", *(element("li", prose(step)) for step in (*advice, *_STEPS)))
+
+
+def _unread_request(score: Score) -> Iterator[Markup]:
+    """Quote what could not be read of the student's file of requests, and how to write it."""
+    if unread := score.requests.get(""):
+        yield _box("warn", "A request that could not be read", f"{unread.text}\n{unread.answer}")
 
 
 def _left_out(result: SubmissionResult) -> Iterator[Markup]:

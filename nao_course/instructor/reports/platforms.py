@@ -12,7 +12,7 @@ from pathlib import Path
 
 from nao_course._internal.tables import TableError, plain_number, read_rows
 from nao_course.homework import zipped
-from nao_course.instructor.collecting.names import canvas_name
+from nao_course.instructor.collecting.layouts import canvas_name
 from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.gradebook.scores import Score
 from nao_course.instructor.reports.html import number

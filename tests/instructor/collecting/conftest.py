@@ -20,7 +20,7 @@ def look(tmp_path):
         found = gather(path, scratch, lessons)
         assert {each for each in tmp_path.rglob("*") if scratch not in each.parents} == before
         for submission in found.submissions:
-            assert read(submission).notebook
+            assert read(submission).digest
         return found
 
     return gathered
