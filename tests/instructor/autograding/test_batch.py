@@ -102,6 +102,51 @@ def test_a_page_that_cannot_be_written_stops_nobody_and_its_result_is_kept(
     assert problem.startswith("bob, 90_chain:") and "OverflowError: date value out of range" in problem
 
 
+GOOD = chain.notebook(answer="Because.")
+NEWER = {
+    "cut off": GOOD[:200],
+    "a page": b"<!DOCTYPE html>",
+    "empty": b"",
+    "blank": chain.notebook(chain.BLANK),
+}
+
+
+@pytest.mark.parametrize("newer", NEWER)
+def test_a_new_notebook_with_nothing_to_grade_keeps_the_earlier_result_and_is_named(
+    course, server, tmp_path, newer
+):
+    assignment = prepare(course, "90", chain.SECRET)
+
+    def run(number, content):
+        root = tmp_path / f"in{number}"
+        chain.hand_in(root, "ada", content)
+        found = of_lessons(
+            gather(root, root / "scratch", course.names(), released=course.released), course.names()
+        )
+        publish = batch.feedback_writer(journal, tmp_path / "feedback")
+        return grade_all(found, lambda lesson: assignment, journal, server=server, publish=publish)
+
+    with Journal(tmp_path / "grades") as journal:
+        run(0, GOOD)
+        (before,) = journal.results()
+        summary = run(1, NEWER[newer])
+        (after,) = journal.results()
+        assert after.exercises == before.exercises and after.written == before.written and after.earned > 0
+        assert after.submission == before.submission
+        assert len(summary.kept) == 1 and f"{before.earned:g} points before" in summary.kept[0]
+        assert not summary.refused and not summary.graded
+        page = next((tmp_path / "feedback" / "ada").iterdir()).read_text("utf-8")
+        assert "this earlier notebook counts" in page
+        assert run(2, NEWER[newer]).unchanged == 1  # it is not tried again and again
+        journal.want_again("ada", chain.LESSON)
+        run(3, NEWER[newer])
+        (again,) = journal.results()
+        assert again.left_out == after.left_out  # and said once
+        run(4, chain.notebook(chain.MISTAKES))
+        (result,) = journal.results()
+        assert result.earned < before.earned and result.left_out == ()  # a worse answer is an answer
+
+
 def refusal(submission, assignment):
     return refuse(submission, assignment, "no")
 
