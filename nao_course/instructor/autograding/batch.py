@@ -18,7 +18,7 @@ from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
-from nao_course.instructor.gradebook.scores import each_journal_score, score
+from nao_course.instructor.gradebook.scores import each_journal_score, scores
 from nao_course.instructor.sandbox.warm_server import WarmServer
 
 Submit = Callable[[Submission, Assignment], Future[SubmissionResult]]
@@ -189,8 +189,9 @@ def _earlier_result(outcome: SubmissionResult, journal: Journal) -> SubmissionRe
 
 
 def _in_words(kept: SubmissionResult, journal: Journal) -> str:
-    points = score(kept, journal.overrides(kept.lesson), journal.marks(kept.lesson), journal.policy).earned
-    return f"{kept.student}, {kept.lesson}: {points:g} points before; {kept.left_out[-1]}"
+    lesson = kept.lesson
+    (now,) = scores([kept], journal.overrides(lesson), journal.marks(lesson), journal.policy)
+    return f"{kept.student}, {kept.lesson}: {now.earned:g} points before; {kept.left_out[-1]}"
 
 
 def as_they_come(

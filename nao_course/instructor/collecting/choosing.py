@@ -1,4 +1,4 @@
-"""A look into notebooks of one student and lesson, to see which can be read and which are answered."""
+"""Which notebooks of one student and lesson can be read, and which of them are answered."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ BLANK = "nothing in it is answered"
 
 
 @dataclass(frozen=True)
-class Look:
-    """What a look into a notebook shows.
+class Inspection:
+    """Whether a notebook can be read, and how much of it is answered.
 
     Parameters
     ----------
@@ -42,10 +42,10 @@ class Look:
         return 0 if self.answers < 0 else 1 if self.answers == 0 else 2
 
 
-NOT_LOOKED_AT = Look("", 1)
+NOT_INSPECTED = Inspection("", 1)
 
 
-def look_into(item: Item, lesson: str, released: Path | None) -> Look:
+def inspect_notebook(item: Item, lesson: str, released: Path | None) -> Inspection:
     """Read a notebook of a student and count its answers; none of its code runs.
 
     A large notebook is parsed by a process of its own, because that takes several times its size in memory.
@@ -65,8 +65,8 @@ def look_into(item: Item, lesson: str, released: Path | None) -> Look:
         short = content if len(content) <= LARGEST_READ else _shortened(file, content)
         answers = count_answers(file, short, _released(released / file) if released else ())
     except (Refused, ValueError) as error:
-        return Look(str(error), -1)
-    return Look("" if answers else BLANK, answers, hashlib.sha256(content).hexdigest())
+        return Inspection(str(error), -1)
+    return Inspection("" if answers else BLANK, answers, hashlib.sha256(content).hexdigest())
 
 
 @cache

@@ -308,7 +308,7 @@ def _before_lesson(name: str, lessons: Sequence[str]) -> HandedIn | None:
     stem = name.rpartition(".")[0]
     if (
         not stem or "_assignsubmission_" in stem
-    ):  # Moodle's mark in a student's own file could name somebody else
+    ):  # Moodle's mark in a student's own file could name another student
         return None
     places = [(before, name[len(before) :]) for _, before, after in found_in(name, lessons) if not after]
     places += [(stem[: found.start()], name[found.start() :]) for found in _RECEIPT.finditer(stem[:1000])]
@@ -330,7 +330,7 @@ def _named(whole: str, file: str, name: str, order: tuple[int, float], is_clear:
     return HandedIn(name or whole, file, written=whole, order=order, problem=problem)
 
 
-# --- what only a whole download tells ---
+# --- what only a whole download shows ---
 
 
 class Students:
@@ -418,14 +418,14 @@ class Students:
         return replace(made, student=student or made.written, problem=problem)
 
     def _blackboards_user(self, head: str) -> str:
-        """Return the user of "TITLE_USER"; an empty string if both may have underscores and nothing tells."""
+        """Return the user of "TITLE_USER"; an empty string if both may have underscores and nothing distinguishes them."""
         users = [head[at + 1 :] for at, each in enumerate(head) if each == "_"]
         if known := [each for each in users if self.is_known(each)]:
             return known[0]
         if len(users) < 2:
             return users[0] if users else head
-        if (told := self._blackboards_receipt(head)) in users:
-            return told
+        if (user := self._blackboards_receipt(head)) in users:
+            return user
         titles = [after for _, before, after in found_in(f"{head}.", self.lessons) if not before and after]
         return next((each.removeprefix("_") for each in titles if each.startswith("_")), "")
 
@@ -525,7 +525,7 @@ def without_wrappers(
     Returns
     -------
     items : list of Item
-        The files, without those that a platform adds about the whole class. The first part of each is a student's
+        The files, without the files that a platform adds about the whole class. The first part of each is a student's
         folder or the file itself.
     platforms : dict of str to str
         Platforms by students' folders.

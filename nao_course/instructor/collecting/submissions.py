@@ -16,7 +16,7 @@ from nao_course._internal.counts import say_count
 from nao_course.exercises.lesson_names import found_in, lesson_and_more, lesson_of
 from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
-from nao_course.instructor.collecting.choosing import NOT_LOOKED_AT, Look, look_into
+from nao_course.instructor.collecting.choosing import NOT_INSPECTED, Inspection, inspect_notebook
 from nao_course.instructor.collecting.layouts import HandedIn, Students, added_for, is_request
 from nao_course.instructor.collecting.marks import without_weak_marks
 from nao_course.instructor.collecting.names import clean_name
@@ -29,7 +29,7 @@ from nao_course.instructor.collecting.wrappers import (
 )
 
 _MOST_NOTES = 20
-_MOST_LOOKED_INTO = 8  # notebooks of one student and lesson, the newest ones
+_MOST_INSPECTED = 8  # notebooks of one student and lesson, the newest ones
 _EARLIEST, _LATEST = (datetime(year, 1, 1, tzinfo=UTC) for year in (2020, 2100))  # of a receipt
 _ALIKE = "{} folders or files have names that are too similar to assign them to students: rename them"
 _MOVE_ZIPS = "Put each zip into a folder that is named after its student"
@@ -227,11 +227,11 @@ class _Candidate:
     is_named: bool = True  # exactly after its lesson
     more: str = ""  # words behind the lesson's name
     note: str = ""  # about its receipt
-    look: Look = NOT_LOOKED_AT
+    inspection: Inspection = NOT_INSPECTED
 
     @property
     def time(self) -> float:
-        """The time of the receipt or file; 0 in Moodle's zip, whose times are those of the download."""
+        """The time of the receipt or file; 0 in Moodle's zip, whose times are the times of the download."""
         undated = self.name.platform == "Moodle" and self.item.entry is not None
         return self.packed or (0.0 if undated else self.item.time)
 
@@ -243,7 +243,7 @@ class _Candidate:
     @property
     def reason(self) -> str:
         """Why an older notebook counts before it; often empty."""
-        return self.item.problem or self.look.problem
+        return self.item.problem or self.inspection.problem
 
 
 class _Search:
@@ -515,21 +515,21 @@ class _Search:
             return []
         readable = [each for each in found if not each.item.problem]
         if len(readable) > 1:
-            looked = {
-                each.number: replace(each, look=look_into(each.item, lesson, self.released))
-                for each in readable[:_MOST_LOOKED_INTO]
+            inspected = {
+                each.number: replace(each, inspection=inspect_notebook(each.item, lesson, self.released))
+                for each in readable[:_MOST_INSPECTED]
             }
-            beyond = {each.number: replace(each, look=Look("", -1)) for each in readable[_MOST_LOOKED_INTO:]}
-            found = [(looked | beyond).get(each.number, each) for each in found]
+            beyond = {each.number: replace(each, inspection=Inspection("", -1)) for each in readable[_MOST_INSPECTED:]}
+            found = [(inspected | beyond).get(each.number, each) for each in found]
         best, *others = sorted(
             found,
             key=lambda it: (
                 not it.item.problem,
-                it.look.rank,
+                it.inspection.rank,
                 it.is_named,
                 it.age,
-                it.look.answers,
-                it.look.digest,
+                it.inspection.answers,
+                it.inspection.digest,
                 it.number,
             ),
             reverse=True,
@@ -591,13 +591,13 @@ class _Search:
 
 def _why_not(other: _Candidate, best: _Candidate) -> str:
     """Return the reason why one notebook does not count and the other one does."""
-    if other.reason and (other.item.problem or other.look.rank < best.look.rank):
+    if other.reason and (other.item.problem or other.inspection.rank < best.inspection.rank):
         return other.reason
     if best.is_named > other.is_named:
         return "another one has the lesson's name"
     if best.age > other.age and (best.name.order > other.name.order or (best.time and other.time)):
         return "another one is newer"
-    return "another one has more answers" if best.look.answers > other.look.answers else "another one counts"
+    return "another one has more answers" if best.inspection.answers > other.inspection.answers else "another one counts"
 
 
 def _each_student_first(lines: list[str]) -> tuple[str, ...]:

@@ -338,7 +338,7 @@ def test_one_students_odd_file_or_notebook_stops_nobody_else(look, tmp_path, mon
     names = {f"ada/{HSL}": NOTEBOOK, "ben/work.zip": inner, f"eve/{HSL}": NOTEBOOK, f"eve/a {HSL}": NOTEBOOK}
     path = packed(tmp_path / "in.zip", names)
     monkeypatch.setattr(submissions, "_receipt_time", fail)
-    monkeypatch.setattr(submissions, "look_into", fail)
+    monkeypatch.setattr(submissions, "inspect_notebook", fail)
     found = look(path)
     assert who(found) == [("ada", HSL[:-6])]
     assert [line.split(":")[0] for line in found.not_graded] == ["ben/work.zip", f"eve, {HSL[:-6]}"]
