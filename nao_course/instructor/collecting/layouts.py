@@ -399,7 +399,7 @@ class Students:
                 student = self._blackboard.get(made.written, "")
                 if not student:
                     problem = (
-                        f"the title and the user in {made.written!r} cannot be told apart; {_FOLDER_NAME}"
+                        f"the title and the user in {made.written!r} cannot be distinguished; {_FOLDER_NAME}"
                     )
             case "Moodle":
                 student = self._moodle.get(student, student)
@@ -418,7 +418,7 @@ class Students:
         return replace(made, student=student or made.written, problem=problem)
 
     def _blackboards_user(self, head: str) -> str:
-        """Return the user of "TITLE_USER"; an empty string if both may have underscores and nothing distinguishes them."""
+        """Return the user of "TITLE_USER"; empty if underscores leave several possible users."""
         users = [head[at + 1 :] for at, each in enumerate(head) if each == "_"]
         if known := [each for each in users if self.is_known(each)]:
             return known[0]

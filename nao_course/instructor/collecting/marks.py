@@ -133,7 +133,7 @@ def without_weak_marks(name: str) -> str:
 
 
 def _moment(found: re.Match[str]) -> float | None:
-    """Return the time that a date names, 0 if day and month cannot be distinguished, and None if there is no such date."""
+    """Return the time of a date, 0 if day and month cannot be distinguished, and None if there is no such date."""
     if found["stamp"]:
         year, month, day = int(found["stamp"][:4]), int(found["stamp"][4:6]), int(found["stamp"][6:])
     elif found["name"] or found["name4"]:

@@ -519,7 +519,10 @@ class _Search:
                 each.number: replace(each, inspection=inspect_notebook(each.item, lesson, self.released))
                 for each in readable[:_MOST_INSPECTED]
             }
-            beyond = {each.number: replace(each, inspection=Inspection("", -1)) for each in readable[_MOST_INSPECTED:]}
+            beyond = {
+                each.number: replace(each, inspection=Inspection("", -1))
+                for each in readable[_MOST_INSPECTED:]
+            }
             found = [(inspected | beyond).get(each.number, each) for each in found]
         best, *others = sorted(
             found,
@@ -597,7 +600,11 @@ def _why_not(other: _Candidate, best: _Candidate) -> str:
         return "another one has the lesson's name"
     if best.age > other.age and (best.name.order > other.name.order or (best.time and other.time)):
         return "another one is newer"
-    return "another one has more answers" if best.inspection.answers > other.inspection.answers else "another one counts"
+    return (
+        "another one has more answers"
+        if best.inspection.answers > other.inspection.answers
+        else "another one counts"
+    )
 
 
 def _each_student_first(lines: list[str]) -> tuple[str, ...]:

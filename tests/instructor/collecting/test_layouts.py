@@ -256,7 +256,7 @@ def test_the_next_week_has_the_same_students_and_no_guard_stops_a_platforms_own_
             [f"50-6 - Ada - Nov 20, 2026 932 PM/{HSL}", f"51-6 - Ada - Nov 21, 2026 932 PM/{HSL}"],
             "different numbers",
         ),
-        ([f"a_b_c_attempt_2024-10-01-22-59-10_{HSL}"], "cannot be told apart"),
+        ([f"a_b_c_attempt_2024-10-01-22-59-10_{HSL}"], "cannot be distinguished"),
         ([f"x+y+2026-13-20 21:45:00 UTC/{HSL}"], "cannot be read"),
         (["submission-20260301-120000.zip"], "names no student"),
     ],
