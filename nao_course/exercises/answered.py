@@ -7,8 +7,8 @@ import re
 from collections.abc import Collection
 
 from nao_course.exercises.cells import SHOWN, is_graded, is_solution, metadata, source_of
-from nao_course.exercises.definitions import without_outputs
 from nao_course.exercises.exercise import ANSWER_HERE
+from nao_course.exercises.notebook_text import without_outputs
 
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 _UNWRITTEN = "raise NotImplementedError"  # in the released cell of an exercise

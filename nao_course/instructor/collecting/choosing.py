@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from nao_course.exercises.answered import count_answers, sources
-from nao_course.exercises.definitions import MOST_BYTES
+from nao_course.exercises.notebook_text import MOST_BYTES
 from nao_course.instructor.collecting.archives import LARGEST_READ, Item, Refused
 from nao_course.instructor.sandbox.large_notebooks import without_outputs
 from nao_course.instructor.sandbox.layers import SandboxError
