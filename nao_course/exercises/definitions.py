@@ -4,11 +4,13 @@ from __future__ import annotations
 import __future__
 
 import ast
+import contextlib
+import inspect
 import linecache
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -270,7 +272,9 @@ class _Loading:
         try:
             code = _compile(statement, origin, self.flags)
             self.flags |= code.co_flags & __future__.annotations.compiler_flag
-            exec(code, self.namespace)
+            awaited = eval(code, self.namespace)
+            if code.co_flags & inspect.CO_COROUTINE:
+                _run_to_its_end(awaited)
         except (KeyboardInterrupt, TimeIsUp):
             raise
         except MemoryError as error:  # there may be none left for more than this
@@ -427,9 +431,17 @@ def _with_others(
 
 
 def _compile(statement: ast.stmt, file: str, flags: int) -> CodeType:
+    flags |= ast.PyCF_ALLOW_TOP_LEVEL_AWAIT  # as in Jupyter
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return compile(ast.Module([statement], []), file, "exec", flags, dont_inherit=True)
+
+
+def _run_to_its_end(awaited: Coroutine[Any, Any, Any]) -> None:
+    """Run a cell's coroutine; without an event loop, because a sandboxed process cannot have one."""
+    with contextlib.suppress(StopIteration):
+        while True:
+            awaited.send(None)
 
 
 def _stands_beside(value: Any, notebook: Path) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
 import warnings
 from collections.abc import Collection, Iterable, Iterator
@@ -13,6 +14,7 @@ LONGEST_COMMANDED = 20_000
 _BLANKS = re.compile(r"([ \t]{99}|\n{99})[ \t\n]++")  # what goes beyond
 _EMPTY = re.compile(r"(?:[ \t\f\r]*+\n)*+")  # the empty lines at the beginning, which IPython drops
 _PASTED = re.compile(r"[ \t]|>>>|In \[")  # IPython removes a first line's indentation and copied prompts
+_FILE = re.compile(r"(?:\./)?([A-Za-z_]\w*)(?:\.py)?")
 _CELL_MAGIC = re.compile(r"\s*%%(?:time|timeit|capture|prun)\b.*")  # magics that run the cell as Python
 _ROUNDS = 10  # of calls from function to function
 # Functions that only show, ask or check something, and libraries of such functions.
@@ -56,13 +58,31 @@ def _as_ipython_reads(source: str) -> str:
 
 
 class _WithoutCommands(ast.NodeTransformer):
-    """Transformer that removes IPython's commands; the value of a command becomes None."""
+    """Transformer that removes IPython's commands, except code that they run; the value of a command becomes None."""
+
+    def visit_Expr(self, node: ast.Expr) -> ast.AST | list[ast.stmt]:
+        match node.value:
+            case ast.Call(
+                ast.Attribute(ast.Call(ast.Name("get_ipython")), "run_line_magic"),
+                [ast.Constant(str(magic)), ast.Constant(str(code))],
+            ) if run := _run_by(magic, code):
+                return [ast.increment_lineno(each, node.lineno - 1) for each in run]
+        return self.generic_visit(node)
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         match node.func:
             case ast.Attribute(ast.Call(ast.Name("get_ipython"))):
                 return ast.Constant(None)
         return self.generic_visit(node)
+
+
+def _run_by(magic: str, code: str) -> list[ast.stmt]:
+    """Return the statements that a line such as `%time x = f()` or `%run mine.py` runs; nothing for other lines."""
+    file = _FILE.fullmatch(code.strip()) if magic == "run" else None
+    source = f"from {file[1]} import *" if file else code if magic in ("time", "prun") else ""
+    with contextlib.suppress(SyntaxError, ValueError):
+        return ast.parse(source).body
+    return []
 
 
 def is_doubled(source: str) -> bool:
