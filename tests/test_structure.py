@@ -363,6 +363,7 @@ def test_a_test_module_stands_where_its_module_stands():
     folders = {name.replace(".", "/") for name in packages()} | {
         "attacks",
         "browser",
+        "real_life",
         "toy",
         "benchmarks",
         "deploy",
