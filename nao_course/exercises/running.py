@@ -14,7 +14,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 from typing import Any, Literal
@@ -229,9 +229,23 @@ def call_as_it_is(
         As in `codec.decode`.
     """
     args, kwargs = given = decode(frame, trusted=trusted)
+    with unattended(function) as shown:
+        outcome = outcome_of(
+            lambda: find_driver(driver)(function, *args, **kwargs) if driver else function(*args, **kwargs),
+            function,
+        )
+    if outcome.status != "value":
+        return outcome
+    return replace(outcome, changed=_changed(given, frame, trusted=trusted), shown=tuple(shown))
+
+
+def outcome_of(call: Callable[[], Any], function: Any = None) -> Outcome:
+    """Make a call and describe its outcome.
+
+    It replaces nothing in the process, so threads may use it. `function` is the student's function that is called.
+    """
     try:
-        with unattended(function) as shown:
-            value = find_driver(driver)(function, *args, **kwargs) if driver else function(*args, **kwargs)
+        return Outcome("value", call())
     except NotImplementedError as error:
         return _not_written(error, function)
     except Unsendable as error:
@@ -242,7 +256,6 @@ def call_as_it_is(
         return Outcome("timed out")
     except BaseException as error:  # noqa: BLE001 - SystemExit, too, is an answer
         return _raised(error)
-    return Outcome("value", value, changed=_changed(given, frame, trusted=trusted), shown=tuple(shown))
 
 
 def encoded(outcome: Outcome, limits: Limits | None = None, number: int | None = None) -> bytes:

@@ -11,6 +11,7 @@ import pytest
 
 from nao_course.exercises import Case, call
 from nao_course.exercises.interactive import _ASKS, _ENDS, _SHOWS, InteractiveCall, remark_on, unattended
+from nao_course.exercises.running import outcome_of
 
 HOMES = {"cv2": cv2, "matplotlib.pyplot": plt, "builtins": builtins, "IPython.display": IPython.display}
 
@@ -68,3 +69,10 @@ def test_a_block_within_a_block_leaves_the_outer_one_as_it_was():
             plt.show()
         cv2.waitKey(1)
     assert (list(outer), list(inner)) == (["cv2.imshow", "cv2.waitKey"], ["plt.show"])
+
+
+def test_what_the_grader_answers_in_a_thread_replaces_nothing_in_its_process():
+    before = builtins.input, sys.stdin
+    assert outcome_of(lambda: (builtins.input, sys.stdin)).value == before
+    assert call(lambda: builtins.input is before[0], Case(())).value is False
+    assert (builtins.input, sys.stdin) == before

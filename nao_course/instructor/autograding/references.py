@@ -16,7 +16,7 @@ from nao_course.exercises.earlier import Calls, EarlierNotUsable, split_use
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.judging import judge
 from nao_course.exercises.lesson_names import meant
-from nao_course.exercises.running import Outcome, call_as_it_is
+from nao_course.exercises.running import Outcome, outcome_of
 from nao_course.instructor.autograding.assignment import Assignment, UsedClass
 from nao_course.instructor.collecting.files import Files
 from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
@@ -102,7 +102,9 @@ def recorded(exercise: PublicExercise, allowance: Allowance) -> dict[str, Refere
             allowance.left()
             began = time.thread_time()  # without other threads and programs
             try:
-                return call_as_it_is(lambda: calls.answer(use, args, kwargs, reason), Case(()).frame)
+                return outcome_of(
+                    lambda: calls.answer(use, args, kwargs, reason)
+                )  # in one of several threads
             finally:
                 allowance.spend(time.thread_time() - began)
 
