@@ -125,7 +125,7 @@ def probe() -> Sandbox:
         What works here; off Linux, no more than processes with limits.
     """
     layers = [
-        Layer("own process", True, "killed with all its group by the wall clock"),
+        Layer("own process", True, "killed with all its group when its time is up"),
         Layer(
             "limits",
             sys.platform != "win32",

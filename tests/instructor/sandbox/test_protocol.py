@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from nao_course.codec import PREFIX_SIZE, encode
+from nao_course.instructor.sandbox import protocol
 from nao_course.instructor.sandbox.protocol import (
     OF_A_WORKER,
     UNREADABLE,
@@ -111,3 +112,13 @@ def test_a_new_process_is_told_nothing_of_the_environment_but_what_it_needs(monk
 def test_how_a_process_ended_is_said():
     assert describe_end(3) == "the process ended itself with status 3"
     assert describe_end(-signal.SIGKILL) == "the process was ended by signal 9 (Killed)"
+
+
+@posix
+def test_who_always_has_something_to_say_is_not_read_for_ever(channel, monkeypatch):
+    monkeypatch.setattr(protocol, "_ready", lambda *_: True)
+    channel.ask(b"", 0.0)
+    for _ in range(protocol._MOST_OVERDUE):
+        channel.wait(channel.replies, "read")
+    with pytest.raises(Ended, match="no end of its answer"):
+        channel.wait(channel.replies, "read")
