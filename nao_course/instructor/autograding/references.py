@@ -102,9 +102,7 @@ def recorded(exercise: PublicExercise, allowance: Allowance) -> dict[str, Refere
             allowance.left()
             began = time.thread_time()  # without other threads and programs
             try:
-                return outcome_of(
-                    lambda: calls.answer(use, args, kwargs, reason)
-                )  # in one of several threads
+                return outcome_of(lambda: calls.answer(use, args, kwargs, reason))
             finally:
                 allowance.spend(time.thread_time() - began)
 

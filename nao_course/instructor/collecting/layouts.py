@@ -306,9 +306,8 @@ def _in_folder(parts: Sequence[str]) -> HandedIn:
 def _before_lesson(name: str, lessons: Sequence[str]) -> HandedIn | None:
     """Return whose file it is if the student's name stands before the lesson's; None if there is no such name."""
     stem = name.rpartition(".")[0]
-    if (
-        not stem or "_assignsubmission_" in stem
-    ):  # Moodle's mark in a student's own file could name another student
+    # Moodle's mark in a student's own file could name another student
+    if not stem or "_assignsubmission_" in stem:
         return None
     places = [(before, name[len(before) :]) for _, before, after in found_in(name, lessons) if not after]
     places += [(stem[: found.start()], name[found.start() :]) for found in _RECEIPT.finditer(stem[:1000])]
@@ -540,9 +539,8 @@ def without_wrappers(
                     platforms[parts[0]] = layout.platform
                     break
         title = f"{around.removesuffix('-submissions')}-" if around.endswith("-submissions") else ""
-        if (
-            title and len(parts) > 1 and parts[0].startswith(title)
-        ):  # each repository has the assignment's title
+        # Each repository has the assignment's title
+        if title and len(parts) > 1 and parts[0].startswith(title):
             parts = (parts[0].removeprefix(title), *parts[1:])
             platforms[parts[0]] = "GitHub Classroom"
         if added_for(parts) != "" or parts == _METADATA:

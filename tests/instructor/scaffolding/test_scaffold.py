@@ -167,7 +167,7 @@ def test_a_new_lesson_whose_todos_are_done_gives_nothing_of_its_solution_away(ne
         shutil.copy(PROJECT / each, new_lesson.root / each)
     files = release.contents(new_lesson, [NAME])
     lessons = {name: content for name, content in files.items() if NAME in name}
-    assert len(lessons) == 2 and release.release_problems(new_lesson, lessons) == []
+    assert len(lessons) == 3 and release.release_problems(new_lesson, lessons) == []
 
 
 @pytest.mark.slow
