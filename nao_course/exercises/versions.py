@@ -57,7 +57,7 @@ class Newer:
 
     def names(self) -> list[str]:
         """Return the notebook's newer versions, such as "Python 3.14"."""
-        return _listed(self.theirs).split(" and ")
+        return [_listed({name: version}) for name, version in self.theirs.items()]
 
     def against(self, place: str) -> str:
         """Return the versions in words: "Python 3.14, and the grader has Python 3.11"."""
