@@ -11,6 +11,7 @@ from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.exercises.notebook_text import without_outputs
 
 _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
+_NAMED = re.compile(r"^(?:def|class)[ ]++(\w++)", re.MULTILINE)
 _UNWRITTEN = "raise NotImplementedError"  # in the released cell of an exercise
 
 
@@ -35,14 +36,20 @@ def count_answers(name: str, content: bytes, released: Collection[str] = ()) -> 
     content : bytes
         The notebook.
     released : collection of str
-        Texts of the released notebook's cells: a cell with one of these texts answers nothing.
+        Texts of the released notebook's cells: a cell with one of these texts answers nothing. A notebook that says
+        that it is another lesson's answers only what they define.
 
     Raises
     ------
     ValueError
         If it is not a notebook; the message explains why.
     """
-    cells = json.loads(without_outputs(name, content))["cells"]
+    notebook = json.loads(without_outputs(name, content))
+    cells = notebook["cells"]
+    stated = metadata(notebook, "nao_course").get("lesson", "")
+    if released and stated not in ("", name.removesuffix(".ipynb")):
+        own = {each for text in released if _UNWRITTEN in text for each in _NAMED.findall(text)}
+        cells = [cell for cell in cells if own.intersection(_NAMED.findall(source_of(cell)))]
     has_roles = any(map(is_solution, cells))
     count = 0
     for cell in cells:

@@ -193,6 +193,9 @@ def _grade(
             exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
             exercises = tuple(_with_remarks(each, said.remarks.get(each.name, ())) for each in exercises)
             exercises = with_answers(exercises, files.notebook)
+            is_another_lessons = said.lesson not in ("", assignment.lesson) and all(
+                each.state == "not found" for each in exercises
+            )
             too_slow = tuple(
                 f"{each.name}: {each.text}" for each in exercises if each.state in ("timed out", "not run")
             )
@@ -206,7 +209,7 @@ def _grade(
         submission=files.hash,
         assignment=assignment.hash,
         exercises=exercises,
-        written=_written(assignment, said),
+        written=_written(assignment, Found() if is_another_lessons else said),
         notes=(
             *submission.notes,
             *_remarks(said, assignment),

@@ -394,6 +394,18 @@ def test_what_only_repeats_the_release_is_no_answer(tmp_path):
         assert ("older" in found.file) == (counts == "older")
 
 
+def test_another_lessons_notebook_under_this_lessons_name_never_counts_before_an_answer(tmp_path):
+    given = put(tmp_path / "released", HSL, content=answered(0))  # asks for f
+    stamp = {"nao_course": {"lesson": LESSONS[2]}}
+    for own, counts in (("f0", "older"), ("f", "newer")):  # f in it was pasted into it
+        newer = json.loads(answered(2).replace(b"def f0", f"def {own}".encode())) | {"metadata": stamp}
+        path = put(tmp_path / counts, f"ada/older {HSL}", content=answered(1))
+        put(path, f"ada/{HSL}", content=json.dumps(newer).encode())
+        os.utime(path / f"ada/older {HSL}", (1e9, 1e9))
+        (found,) = gather(path, tmp_path, LESSONS, released=given).submissions
+        assert ("older" in found.file) == (counts == "older")
+
+
 def test_words_behind_the_lesson_are_one_students_or_asked_about(look, tmp_path):
     mine = [f"ada/{HSL[:-6]}_ada.ipynb", f"ada/{HSL[:-6]}_ada (1).ipynb"]
     assert who(look(put(tmp_path / "in", *mine))) == [("ada", HSL[:-6])]
