@@ -14,6 +14,8 @@ _SYNTAX_ERRORS = {"SyntaxError", "IndentationError", "TabError"}
 _PLACE = re.compile(r" \(<[^<>]*>, line \d+\)$")  # which Python adds to the message of a syntax error
 _LONGEST_MESSAGE = 200  # characters of an error's message
 _REUSED = re.compile(r"\bthe notebook's name (\w{1,100}) is of type ")
+# The names before "=" or "in" at the beginning of a line; one pass, because a line may be as long as a notebook.
+_ASSIGNED = re.compile(r"^(?:for\b)?([\w., ]+?)(?:=(?!=)|(?<![\w.])in\b)", re.MULTILINE)
 _DEFINITION = re.compile(r"^(?:async +def|def|class) +(\w+)", re.MULTILINE)
 
 
@@ -139,9 +141,11 @@ def where_reused(lines: Iterable[str], sources: Sequence[str]) -> list[str]:
         Source of each code cell.
     """
     for name in _REUSED.findall("\n".join(lines))[:1]:
-        assigns = re.compile(
-            rf"^(?:for +)?(?:[\w.]+ *, *)*{name}\b *(?:,[\w., ]*)?(?:=(?!=)|in\b)", re.MULTILINE
-        )
-        if cells := [number for number, source in enumerate(sources, start=1) if assigns.search(source)]:
+        cells = [
+            number
+            for number, source in enumerate(sources, start=1)
+            if any(name in re.split(" *, *", found[1].strip()) for found in _ASSIGNED.finditer(source))
+        ]
+        if cells:
             return [f"Code cell {cells[-1]} gives the name {name} to that value."]
     return []

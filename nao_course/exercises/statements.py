@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 
 # Characters of a cell with commands of IPython, which parses the cell again for each command.
 LONGEST_COMMANDED = 20_000
+MOST_COMMANDS = 100  # in a cell
+_COMMAND = re.compile(r"^[ \t]*+[%!?]|=[ \t]*+[%!]|\?[ \t]*+$", re.MULTILINE)
 _BLANKS = re.compile(r"([ \t]{99}|\n{99})[ \t\n]++")  # what goes beyond
 _EMPTY = re.compile(r"(?:[ \t\f\r]*+\n)*+")  # the empty lines at the beginning, which IPython drops
 _PASTED = re.compile(r"[ \t]|>>>|In \[")  # IPython removes a first line's indentation and copied prompts
@@ -40,6 +42,8 @@ def parse(source: str, file: str) -> list[ast.stmt]:
             start = _EMPTY.match(source).end()  # type: ignore[union-attr]
             commands = any(sign in source for sign in "%!?")
             if len(source) > LONGEST_COMMANDED or not (commands or _PASTED.match(source, start)):
+                raise
+            if len(_COMMAND.findall(source)) > MOST_COMMANDS:
                 raise
         tree = ast.parse(_as_ipython_reads(source), file)
         return ast.fix_missing_locations(_WithoutCommands().visit(tree)).body

@@ -1,12 +1,13 @@
 """After a cell that did not run, nobody is told about the function that it was to replace."""
 
+import time
 from unittest import mock
 
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
 
 from nao_course.exercises import failed_cells
-from nao_course.exercises.failed_cells import FailedCells
+from nao_course.exercises.failed_cells import FailedCells, where_reused
 
 
 @pytest.fixture
@@ -69,3 +70,27 @@ def test_outside_of_jupyter_nothing_is_watched():
     cells = FailedCells()
     cells.watch()
     assert cells.why_old("double") == ""
+
+
+@pytest.mark.parametrize(
+    ("source", "does"),
+    [
+        ("T = 3", True),
+        ("mean, T= 1, 2", True),
+        ("for T in range(3):\n    pass", True),
+        ("for i, T in pairs:\n    pass", True),
+        ("T == 3", False),
+        ("T_2 = T", False),
+        ("format = T", False),
+        ("main, T.index(3)", False),
+    ],
+)
+def test_the_cell_that_gives_a_name_to_a_value_is_named(source, does):
+    told = where_reused(["TypeError; the notebook's name T is of type int"], ["T_2 = 1", source, "print(T)"])
+    assert told == ["Code cell 2 gives the name T to that value."] * does
+
+
+def test_a_line_as_long_as_a_notebook_is_searched_in_one_pass():
+    began = time.process_time()
+    assert where_reused(["the notebook's name T is of type int"], ["T," * 200_000, "T = 3, T, " * 50_000])
+    assert time.process_time() - began < 5.0

@@ -429,9 +429,13 @@ class Students:
         return next((each.removeprefix("_") for each in titles if each.startswith("_")), "")
 
     def _blackboards_receipt(self, head: str) -> str:
-        """Return the user in brackets at the end of the first line of Blackboard's own text about an attempt."""
+        """Return the user in brackets at the end of the first line of Blackboard's own text about an attempt.
+
+        A text that a student handed in has its own name behind the time, or lies in that student's folder.
+        """
+        own = re.compile(rf"(?:{re.escape(head)}_attempt_[-\d]+/)?{re.escape(head)}_attempt_[-\d]+\.txt")
         for item in self._items:
-            if item.parts[-1].startswith(f"{head}_attempt_") and item.parts[-1].endswith(".txt"):
+            if own.fullmatch(_path(item.parts)):
                 lines = _text_of(item).splitlines()[:1]
                 if found := re.search(r"\(([^()]+)\)\s*$", lines[0] if lines else ""):
                     return found[1].strip()

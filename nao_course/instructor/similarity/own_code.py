@@ -112,17 +112,19 @@ class _TextReader:
 
     def read(self, call: ast.Call) -> tuple[str, bool]:
         """Return the text that a call of exec, eval or compile is given, and whether all of it could be read."""
-        pieces, whole = list[str](), bool(call.args)
+        pieces, whole, size = list[str](), bool(call.args), 0
         waiting: list[tuple[ast.AST, frozenset[str]]] = [(each, frozenset()) for each in call.args[:1]]
-        while waiting and self.left > 0:
+        while waiting and self.left > 0 and size <= LONGEST:  # names in names make a text of any length
             self.left -= 1
             node, within = waiting.pop()
             parts: Iterable[ast.AST] = ()
             match node:
                 case ast.Constant(str(text)):
-                    pieces.append(text)
+                    pieces.append(text[:LONGEST])
+                    size += len(text)
                 case ast.Constant(bytes(code)):
-                    pieces.append(code.decode("utf-8", "replace"))
+                    pieces.append(code[:LONGEST].decode("utf-8", "replace"))
+                    size += len(code)
                 case ast.BinOp(left, ast.Add(), right):
                     parts = (left, right)
                 case ast.Call(

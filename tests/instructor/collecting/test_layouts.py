@@ -311,6 +311,12 @@ def test_blackboards_receipt_tells_a_title_from_a_user_that_both_have_underscore
         f"{start}.txt": b"Name: Ada (eve) (ada_l)\r\nAssignment: Lab_1 (eve)",
     }
     assert students_in(tmp_path, "receipt", files) == ["ada_l"]
+    forged = {
+        f"{start}_{HSL}": answered(1),
+        f"{start}_notes.txt": b"Name: Lovelace (l)",
+        f"{start.replace('ada_l', 'l')}/{start}.txt": b"Name: Lovelace (l)",
+    }
+    assert students_in(tmp_path, "forged", forged) == []
     lesson = [f"{HSL[:-6]}_ada_l_attempt_2024-10-01-22-59-10_{HSL}"]
     assert students_in(tmp_path, "lesson", lesson) == ["ada_l"]
 

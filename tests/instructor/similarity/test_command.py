@@ -10,7 +10,15 @@ from typer.testing import CliRunner
 from benchmarks.course.similar import disguised
 from nao_course import cli
 from nao_course.exercises.definitions import load_definitions
-from nao_course.instructor.similarity.comparing import MOST_SHOWN, CommonCode, Comparison, SimilarPair, Work
+from nao_course.instructor.similarity.comparing import (
+    LONGEST,
+    MOST_SHOWN,
+    CommonCode,
+    Comparison,
+    SimilarPair,
+    Work,
+)
+from nao_course.instructor.similarity.own_code import with_executed_texts
 from nao_course.instructor.similarity.page import similar_page
 from tests.instructor.similarity.test_comparing import OWN
 from tests.pages import HOSTILE, Page
@@ -76,6 +84,20 @@ def test_what_the_grader_runs_is_compared_whatever_its_cell_is_called(tmp_path):
     assert "6 similar pairs" in done.output  # all but the last one's
     assert "fay, 02_goalposts: code that is put together while it runs was not compared" in page.text
     assert "ben, 02_goalposts: code" not in page.text
+
+
+def test_texts_that_double_from_name_to_name_and_hundreds_of_commands_stop_nobody(tmp_path):
+    doubled = "\n".join(f"a{i + 1} = a{i} + a{i}" for i in range(14))
+    bomb = with_executed_texts({"cell 1": f"a0 = {'x' * 60_000!r}", "cell 2": f"{doubled}\nexec(a14)"})
+    assert max(map(len, bomb.cells)) <= 3 * LONGEST
+    assert bomb.hidden == ("cell 2, line 15",)
+    folder = tmp_path / "in"
+    hand_in(folder, "ada", OWN)
+    hand_in(folder, "ben", "!a\n" * 600)
+    hand_in(folder, "eve", OWN)
+    done, _ = similar(folder, "--lesson", "02")
+    assert done.exit_code == 0, done.output
+    assert f"{LESSON}: 3 notebooks, 1 similar pair" in done.output
 
 
 def test_a_student_with_two_files_is_not_similar_to_the_same_student(tmp_path):
