@@ -3,7 +3,7 @@
 ``python -m benchmarks grading`` runs both, one after the other on the same machine. nbgrader gets as many notebooks as
 it can grade in five minutes, at most 20.
 ``python -m benchmarks.course.grading beside FOLDER`` alternates with another build of the course in FOLDER, such as a
-git worktree, and says how busy the machine was.
+git worktree, and says how busy the machine was; a further number says how often.
 ``python -m benchmarks.course.grading 5000`` grades that many in one go and says how memory grows; with a second number,
 each notebook has stored outputs of so many MB.
 """
@@ -96,6 +96,7 @@ def lay_out(folder: Path, many: int, megabytes: float = 0.0) -> None:
 
 def write_secret(folder: Path) -> None:
     """Write the secret that the hidden cases are drawn from, beside a class."""
+    folder.mkdir(exist_ok=True)
     secret = folder / "secret"
     secret.write_text("any number of letters, the same each time", encoding="utf-8")
     secret.chmod(0o600)
@@ -288,7 +289,7 @@ def main() -> Result:
     return Result("grading", values, (Table(title, columns, tuple(rows)),), notes)
 
 
-def beside(other: Path) -> Result:
+def beside(other: Path, rounds: int = ROUNDS) -> Result:
     """Grade a small and a larger class with two builds in turn: the difference is the cost of the further submissions.
 
     Processor time says most on a machine that does other work, too; the start is not in it.
@@ -300,10 +301,13 @@ def beside(other: Path) -> Result:
     with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as name:
         for many in BESIDE:
             lay_out(Path(name, str(many), "class"), many)
-        for number in range(ROUNDS):
+        for build, root in (("before", other), ("now", ROOT)):  # the hidden cases are kept for the other runs
+            grade(Path(name, str(BESIDE[0]), "class"), Path(name, str(BESIDE[0]), build), JOBS_BESIDE, root)
+        for number in range(rounds):
             for build, root in (("before", other), ("now", ROOT)):
                 loads.append(os.getloadavg()[0])
-                spent, runs = [], []
+                spent: list[float] = []
+                runs: list[dict[str, Any]] = []
                 for many in BESIDE:
                     folder, start = Path(name, str(many)), _processor_seconds()
                     runs.append(grade(folder / "class", folder / f"{build}{number}", JOBS_BESIDE, root))
@@ -373,7 +377,7 @@ def many(number: int, megabytes: float = 0.0) -> Result:
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if sys.argv[1:2] == ["beside"]:
-        result = beside(Path(sys.argv[2]).resolve())
+        result = beside(Path(sys.argv[2]).resolve(), *map(int, sys.argv[3:]))
     else:
         result = many(int(sys.argv[1]), *map(float, sys.argv[2:])) if len(sys.argv) > 1 else main()
     result.show(Console(width=110))
