@@ -7,7 +7,7 @@ import pytest
 from benchmarks import RESULTS
 from benchmarks.__main__ import MODULES, main
 
-SMALLER = {"grading_large", "grading_many"}  # results of parts of the benchmark `grading`
+SMALLER = {"grading_beside", "grading_large", "grading_many"}  # results of parts of the benchmark `grading`
 
 
 @pytest.mark.parametrize("name", MODULES)
