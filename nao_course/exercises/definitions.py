@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from nao_course.exercises import earlier as earlier_lessons
@@ -356,6 +356,14 @@ class _Loading:
                         f"It depends on {each}, which code cell {self.set_in.get(each, 0)} changes after the check. "
                         f"It is graded with {each} as it was at {version} check.",
                     )
+        for name, values in self.at_check.items():
+            for each, value in values.items():
+                if each not in self.functions and _is_other_function(value, self.namespace.get(each)):
+                    remark(
+                        name,
+                        f"It depends on {each}, which code cell {self.set_in.get(each, 0)} defines again after the "
+                        "check. It is graded with the later definition, so give one of the two another name.",
+                    )
         found = {name: self.namespace[name] for name in self.defined if callable(self.namespace.get(name))}
         for name, why in self.text.elsewhere.items():
             if name not in found or self.blanks.get(name):
@@ -413,6 +421,12 @@ def _checks(statement: ast.stmt) -> list[str]:
 def _is_equal(one: Any, other: Any) -> bool:
     """Return whether two plain numbers or texts are equal."""
     return type(one) is type(other) and type(one) in (bool, int, float, str) and one == other
+
+
+def _is_other_function(one: Any, other: Any) -> bool:
+    """Return whether two objects are functions with different code; the same cell twice gives equal code."""
+    both = isinstance(one, FunctionType) and isinstance(other, FunctionType)
+    return both and one.__code__ != other.__code__
 
 
 def _with_others(

@@ -244,7 +244,7 @@ def _written(
         elif at >= 0 and released.cells[at].role == "written":
             name = released.cells[at].name
         else:
-            added += at < 0 and cell["cell_type"] in TEXT and text != ""
+            added += at < 0 and text != "" and _is_prose(cell)
             near = [
                 each
                 for each, home in released.questions.items()
@@ -288,7 +288,7 @@ def _is_changed_text(cell: dict[str, Any], at: int, released: Outline) -> bool:
 
 
 def _is_prose(cell: dict[str, Any]) -> bool:
-    """Return whether a cell holds text, also if it is a code cell that no Python can read."""
+    """Return whether a cell holds text, also if it is a code cell that Python cannot read or that only has texts."""
     if cell["cell_type"] in TEXT:
         return True
     source = source_of(cell)
@@ -302,7 +302,18 @@ def _is_prose(cell: dict[str, Any]) -> bool:
         return not source.lstrip().startswith(("%", "!"))
     except (ValueError, RecursionError, MemoryError):
         return False
-    return all(isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant) for each in statements)
+    return all(_is_only_text(each) for each in statements)
+
+
+def _is_only_text(statement: ast.stmt) -> bool:
+    """Return whether a statement only writes down, prints or names a text, or a constant on its own."""
+    match statement:
+        case (
+            ast.Expr(ast.Constant() | ast.Call(ast.Name("print"), [ast.Constant(str())], []))
+            | ast.Assign(value=ast.Constant(str()))
+        ):
+            return True
+    return False
 
 
 # --- definitions in cells that do not run ---

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from html.parser import HTMLParser
 
 from nao_course.instructor.autograding import tries
-from nao_course.instructor.sandbox.protocol import SECONDS_IN_ALL, WAITING_IS_FREE
+from nao_course.instructor.sandbox.protocol import MOST_WAITING, SECONDS_IN_ALL
 from tests.attacks.range import Attack, Graded, Range, hidden_numbers, honest, honest_points, points, told
 
 MOST_MEMORY = 1000 * 2**20  # bytes, of the grader's own process with two jobs
 # Of running and sleeping for each purpose; on a busy machine a worker waits in addition
 MOST_SECONDS = (
     SECONDS_IN_ALL + tries.SECONDS_ONCE_MORE + tries.SECONDS_OF_REFERENCES + tries.SECONDS_OF_RECORDED
-) / (1 - WAITING_IS_FREE)
+) * (1 + MOST_WAITING)
 _NEUTRAL = "student"
 
 

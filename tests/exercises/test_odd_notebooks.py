@@ -203,7 +203,8 @@ def answered(how):
             cells[at - 1] = cells[at - 1] | {"source": source_of(cells[at - 1]) + f"\n\n{ANSWER}"}
             return cells
     cells, at = changed(QUESTION, source=blank)
-    new = code(f'"""{ANSWER}"""') if "string" in how else text(ANSWER)
+    written = {"string": f'"""{ANSWER}"""', "print": f'print("{ANSWER}")', "variable": f'answer = "{ANSWER}"'}
+    new = next((code(source) for word, source in written.items() if word in how), text(ANSWER))
     at += "below" in how
     return [*cells[:at], new, *cells[at:]]
 
@@ -220,6 +221,8 @@ def answered(how):
         "in a cell below the blank one",
         "in a cell above the blank one",
         "in a string below the blank one",
+        "in a print below the blank one",
+        "in a variable below the blank one",
     ],
 )
 def test_a_written_answer_is_found(how, read):
@@ -227,9 +230,10 @@ def test_a_written_answer_is_found(how, read):
     assert ANSWER in given and "double-click" not in given
 
 
-def test_text_elsewhere_is_no_answer_but_is_mentioned(read):
+@pytest.mark.parametrize("notes", [text("My notes."), code("# My notes."), code("print('My notes.')")])
+def test_text_elsewhere_is_no_answer_but_is_mentioned(notes, read):
     cells, _ = changed(QUESTION, source="*Write your answer here: double-click this text.*")
-    found = read(LESSON, [text("My notes."), *cells])
+    found = read(LESSON, [notes, *cells])
     assert not found.text.written[QUESTION]
     assert "none at this question" in found.remarks[QUESTION][0]
     assert not read(LESSON, cells).remarks
@@ -298,6 +302,15 @@ def test_a_later_function_counts_and_the_cells_are_named(read):
     found = read(LESSON, [*own, code("def white_threshold(x):\n    return 3")])
     assert found["white_threshold"](0) == 3
     assert "The definition in code cell" in found.remarks["white_threshold"][0]
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_a_helper_that_is_another_function_after_the_check_is_named(other, read):
+    cells, at = changed(EXERCISE, source=f"def {EXERCISE}(hue):\n    return helper(hue)")
+    one, two = code("def helper(x):\n    return x"), code(f"def helper(x):\n    return {'-' * other}x")
+    found = read(LESSON, [*cells[:at], one, *cells[at : at + 2], two, *cells[at + 2 :]])
+    assert found[EXERCISE](1) == (-1 if other else 1)
+    assert ["helper, which code cell" in each for each in found.remarks.get(EXERCISE, ())] == [True] * other
 
 
 def test_a_library_under_the_name_of_an_exercise_does_not_replace_it(read):

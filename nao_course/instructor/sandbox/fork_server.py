@@ -55,6 +55,7 @@ _LIBRARIES = (
     "sympy",
 )
 _MOST_WAITING = 10.0  # seconds for a namespace to end
+_LAST = 19  # priority of the processes that a worker starts
 _WATCH = 0.05  # seconds between two measurements of the workers' memory
 # Bytes above the limit at which a worker's processes are ended. One process alone stays below, because it gets a
 # MemoryError at the limit: then only the statement that took all memory is left out.
@@ -313,14 +314,21 @@ class ForkServer:
                 os.waitpid(stray, 0)
 
     def watch(self) -> None:
-        """End workers whose processes together hold too much memory."""
+        """End workers whose processes together hold too much memory, and let their further processes come last."""
         self.watched = time.monotonic()
         if self.ours is None:
             return
         parents, own = dict(_processes()), _held("self")
         for worker in self.workers.values():
             roots = {worker.process, worker.init.process if worker.init else None}
-            held = sum(max(_held(str(each)) - own, 0) for each in parents if _descends(each, roots, parents))
+            family = [each for each in parents if _descends(each, roots, parents)]
+            for each in family:
+                if (
+                    each not in roots
+                ):  # else they would keep the worker and its neighbours waiting for a processor
+                    with contextlib.suppress(OSError):
+                        os.setpriority(os.PRIO_PROCESS, each, _LAST)
+            held = sum(max(_held(str(each)) - own, 0) for each in family)
             if worker.init and not worker.over and held > self.confinement.bounds.memory + _ABOVE:
                 worker.over = True
                 worker.init.kill()

@@ -41,7 +41,7 @@ OF_A_WORKER = {
 }
 SECONDS_IN_ALL = 120.0  # for one submission's own code, all tries and processes together
 USED_UP = "the time that it may take is used up"
-WAITING_IS_FREE = 0.95  # the part of a worker's time in the queue for a processor that is not counted
+MOST_WAITING = 9  # times the limit of a call: so long may its worker wait for a processor without losing time
 _RESOLUTION = 1e-3  # s
 _MOST_OVERDUE = (
     1000  # parts of an answer that are read after the deadline, of 64 kB; an answer has at most half of them
@@ -154,8 +154,8 @@ class Channel:
     """The way to a worker. Nothing in it waits beyond the deadline, whoever holds the other end.
 
     Its clock counts the time in which the worker runs or sleeps. Where the kernel says how long a process has waited
-    for a processor (Linux), that time is counted only in a small part, so that a busy machine takes no time from a
-    student's code, and no worker lasts for ever.
+    for a processor (Linux), that time is not counted, so that a busy machine takes no time from a student's code. It is
+    counted from MOST_WAITING times the limit on, because no worker may last for ever.
 
     Parameters
     ----------
@@ -177,12 +177,14 @@ class Channel:
     def start_clock(self, seconds: float) -> None:
         """Begin to count the time of a request, which has some seconds."""
         self.waited_since()
-        self.seconds, self.began = seconds, time.monotonic()
+        self.seconds, self.began, self.free = seconds, time.monotonic(), MOST_WAITING * seconds
         self.deadline, self.overdue = self.began + seconds, 0
 
     def used(self) -> float:
         """Return the time since the clock was started, without time that was excluded."""
-        self.exclude(WAITING_IS_FREE * self.waited_since())
+        waited = min(self.waited_since(), self.free)
+        self.free -= waited
+        self.exclude(waited)
         return max(time.monotonic() - self.began, 0.0)  # it may have waited before, too
 
     def exclude(self, seconds: float) -> None:

@@ -79,9 +79,29 @@ def test_a_call_that_waits_for_a_processor_has_its_time_left(tmp_path, warm_serv
         assert worker.allowance.total > 0.4 - 0.01
         worker.definitions  # noqa: B018 - it loads
         channel = worker._channel
-        queued = iter(range(0, 100, 5))  # s in the queue for a processor, by a kernel on a busy machine
-        monkeypatch.setattr(channel, "waited_since", lambda: next(queued) * 0.1)
+        queued = iter(
+            [0.0, 0.7, *[0.0] * 100]
+        )  # s in the queue for a processor, by a kernel on a busy machine
+        monkeypatch.setattr(channel, "waited_since", lambda: next(queued))
         assert worker.call("waits", Case((1,)), seconds=0.2) == Outcome("value")
+        queued = iter([0.0, *[1e4] * 100])  # waiting without end is counted from nine times the limit on
+        assert worker.call("counts", Case((1,)), seconds=0.1).status == "timed out"
+
+
+@posix
+def test_processes_that_a_worker_starts_come_last(tmp_path, warm_server):
+    source = """
+import os, time
+def priority_of_a_child(x):
+    child = os.fork()
+    if child == 0:
+        while os.getpriority(os.PRIO_PROCESS, 0) == x:
+            time.sleep(0.01)
+        os._exit(os.getpriority(os.PRIO_PROCESS, 0))
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+"""
+    with Worker(toy.write(tmp_path / "x.ipynb", source), seconds=AMPLE, server=warm_server) as worker:
+        assert worker.call("priority_of_a_child", Case((0,))).value == 19
 
 
 @posix
