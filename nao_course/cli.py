@@ -22,7 +22,8 @@ import nao_course.lab
 from nao_course import homework
 from nao_course._internal.text_encodings import write_any_character
 from nao_course.exercises import lesson_names
-from nao_course.exercises.checking import read_public
+from nao_course.exercises.answered import lesson_of_notebook, notebooks_in, several_copies
+from nao_course.exercises.checking import lessons, read_public
 from nao_course.student import notebooks, progress
 
 
@@ -98,10 +99,9 @@ def check(
         _say(repr(progress(_notebooks())))
         return
     with _plainly():
-        notebook = _notebook(lesson_or_file)
-        lesson = notebook.stem
+        lesson, notebook = _notebook(lesson_or_file)
         public = read_public(lesson)
-        found = notebooks.functions(lesson, notebook.parent)
+        found = notebooks.functions(lesson, notebook.parent, notebook=notebook)
         if found.problem:
             raise ValueError(found.problem)
     reports = {report.name: report for report in found.reports}
@@ -124,19 +124,21 @@ def check(
     for each in found.skipped:
         _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
     with _plainly():
+        for line in several_copies(lesson, notebooks_in(notebook.parent, [lesson]).get(lesson, [])):
+            _say(line)
         _say(progress(notebook.parent).total(lesson))
     raise typer.Exit(0 if found.complete else 1)
 
 
-def _notebook(meant: str) -> Path:
-    """Return the notebook that a number, a lesson's name or a path refers to."""
-    there = {path.stem: path for path in sorted(_notebooks().glob(f"{lesson_names.PATTERN}.ipynb"))}
-    found = [] if Path(meant).is_file() else lesson_names.meant(meant, there)
-    if found:
-        return there[found[0]]
-    if not Path(meant).is_file():
-        raise ValueError(f"there is no file {meant}; lessons here: {', '.join(there) or 'none'}")
-    return Path(meant)
+def _notebook(meant: str) -> tuple[str, Path]:
+    """Return the lesson and the notebook that a number, a lesson's name or the path of a notebook refers to."""
+    path = Path(meant)
+    if path.is_file():
+        return lesson_of_notebook(path.name, lessons()) or path.stem, path
+    there = notebooks_in(_notebooks(), lessons())
+    if found := lesson_names.meant(meant, there):
+        return found[0], there[found[0]][0]
+    raise ValueError(f"there is no file {meant}; lessons here: {', '.join(there) or 'none'}")
 
 
 @app.command()
@@ -148,16 +150,19 @@ def submit(
 ) -> None:
     """Pack your notebooks into a zip to hand in, with a receipt."""
     with _plainly():
-        receipt = homework.submit(folder or _notebooks(), out)
+        where = folder or _notebooks()
+        receipt = homework.submit(where, out)
     table = Table("file", "SHA-256", title=f"{receipt.path.name}, {receipt.time}")
     for name, digest in receipt.files.items():
         table.add_row(name, digest[:16])
     console.print(table)
     _say(", ".join(f"{name} {version}" for name, version in receipt.versions.items()))
     _say(f"Now hand in {receipt.path}. It contains your receipt: {receipt.code[:16]}")
-    for name in receipt.files:  # last, because it runs the student's code
-        if name.endswith(".ipynb"):
-            _say(_state_of(Path(name).stem, folder or _notebooks()))
+    there = notebooks_in(where, lessons())
+    for line in [line for lesson, paths in there.items() for line in several_copies(lesson, paths)]:
+        _say(line)
+    for lesson in there:  # last, because it runs the student's code
+        _say(_state_of(lesson, where))
 
 
 def _state_of(lesson: str, folder: Path) -> str:

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from nao_course._internal.renamed_names import with_new_names
-from nao_course.exercises import lesson_names
+from nao_course.exercises.answered import notebooks_in
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
+from nao_course.exercises.checking import lessons
 from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 from nao_course.exercises.versions import installed_versions
 
@@ -27,12 +28,18 @@ REQUEST = "regrade_request.txt"  # in NOTEBOOKS: what a person should look at ag
 _GIVEN = ".given"  # in NOTEBOOKS: each lesson as released, to find the student's changes
 _KEPT = "kept"  # in NOTEBOOKS: the student's notebooks before each renewal
 
+_FIRST, _LAST = (datetime(year, 1, 1, tzinfo=UTC).timestamp() for year in (1980, 2107))  # in a zip
+
 Cell = dict[str, Any]
 Notebook = dict[str, Any]
 
 
-def zipped(files: Mapping[str, bytes], modes: Mapping[str, int] | None = None) -> bytes:
-    """Pack files into a zip archive whose bytes depend only on the files.
+def zipped(
+    files: Mapping[str, bytes],
+    modes: Mapping[str, int] | None = None,
+    times: Mapping[str, float] | None = None,
+) -> bytes:
+    """Pack files into a zip archive whose bytes depend only on the arguments.
 
     Parameters
     ----------
@@ -40,15 +47,23 @@ def zipped(files: Mapping[str, bytes], modes: Mapping[str, int] | None = None) -
         Contents by the path in the archive.
     modes : mapping of str to int, optional
         Permissions of the files whose permissions are not 0o644.
+    times : mapping of str to float, optional
+        Times of files in seconds since 1970, which the archive holds in UTC; of the others, it is the year 1980.
     """
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(files):
-            entry = zipfile.ZipInfo(name)  # its date is always 1980
+            entry = zipfile.ZipInfo(name, _date((times or {}).get(name, 0.0)))
             entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3  # permissions as on Unix
             entry.external_attr = (0o100000 | (modes or {}).get(name, 0o644)) << 16
             archive.writestr(entry, files[name])
     return packed.getvalue()
+
+
+def _date(time: float) -> tuple[int, int, int, int, int, int]:
+    """Return the date of a time within the years that a zip can hold."""
+    year, month, day, *clock = datetime.fromtimestamp(min(max(time, _FIRST), _LAST), UTC).timetuple()[:6]
+    return year, month, day, clock[0], clock[1], clock[2]
 
 
 # --- handing in ---
@@ -80,7 +95,7 @@ class Receipt:
 
 
 def submit(folder: Path, out: Path) -> Receipt:
-    """Pack a student's notebooks and helper files into a zip archive with a receipt.
+    """Pack a student's notebooks, with their copies, and helper files into a zip archive with a receipt.
 
     Parameters
     ----------
@@ -102,12 +117,14 @@ def submit(folder: Path, out: Path) -> Receipt:
     if not folder.is_dir():
         raise ValueError(f"{folder} is not a folder: give submit the folder of your notebooks")
     found = [
-        *sorted(folder.glob(f"{lesson_names.PATTERN}.ipynb")),
+        *sorted(each for copies in notebooks_in(folder, lessons()).values() for each in copies),
         *sorted(folder.glob("*.py")),
         folder / REQUEST,
     ]
     files = {path.name: path.read_bytes() for path in found if path.is_file() and not path.is_symlink()}
-    notebooks = {name: _parsed(name, content) for name, content in files.items() if name.endswith(".ipynb")}
+    notebooks = {
+        name: _parsed(name, content) for name, content in files.items() if name.lower().endswith(".ipynb")
+    }
     if not notebooks:
         raise ValueError(f"{folder} contains no notebook of a lesson, such as 01_hsl_filtering.ipynb")
     for name, content in files.items():
@@ -136,7 +153,10 @@ def submit(folder: Path, out: Path) -> Receipt:
     code = hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
     path = out / f"submission-{now:%Y%m%d-%H%M%S}.zip"
     out.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(zipped(files | {"receipt.json": _json(contents | {"code": code})}))
+    times = {
+        each.name: each.stat().st_mtime for each in found if each.name in files
+    }  # of copies, the newest counts
+    path.write_bytes(zipped(files | {"receipt.json": _json(contents | {"code": code})}, times=times))
     return Receipt(path, time, hashes, versions, code)
 
 

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import nbformat
@@ -15,7 +16,9 @@ import typer
 
 from nao_course import cli
 from nao_course._internal.single_threaded import SINGLE_THREADED
+from nao_course.exercises.answered import BLANK
 from nao_course.instructor.authoring import lesson_text
+from nao_course.instructor.collecting.submissions import gather
 from nao_course.student import progress
 from tests.paths import PROJECT
 from tests.toy.course import lay_out_first_lessons, run
@@ -145,6 +148,34 @@ def test_submit_says_where_the_zip_is_and_what_the_receipt_is(solved, blank, tmp
     assert hand_in < state, "a student's code that never ends keeps nobody from handing in"
     result = run("submit", str(solved), "--out", str(tmp_path / "solved"))
     assert "01_hsl_filtering: 6 of 6 exercises pass their public checks.\n" in result.output
+
+
+COPIES = ("{} (1)", "{}-Copy1", "Kopie von {}", "{}_v2", "{}_ada")
+
+
+@pytest.mark.parametrize("name", COPIES)
+def test_check_and_submit_take_every_copy_that_the_grader_takes(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    lesson, mine = "01_hsl_filtering", f"{name.format('01_hsl_filtering')}.ipynb"
+    shutil.copy(PROJECT / "solutions" / f"{lesson}.ipynb", mine)
+    total = run("check", mine).output.splitlines()[-1]
+    assert run("check", "1").exit_code == run("check", mine).exit_code == 0 and f"{lesson}: 13 of 13" in total
+    result = run("submit", "--out", "out")
+    assert f"{lesson}: 6 of 6 exercises pass" in result.output and " notebooks here" not in result.output
+    (packed,) = Path("out").iterdir()
+    with zipfile.ZipFile(packed) as archive:
+        assert archive.namelist() == [mine, "receipt.json"]
+    if name == "{}_ada":  # words behind the name count after the lesson's own name
+        return
+    shutil.copy(PROJECT / "notebooks" / f"{lesson}.ipynb", f"{lesson}.ipynb")
+    for words in (["check", f"{lesson}.ipynb"], ["check", "1"], ["submit"]):
+        result = run(*words)
+        assert result.exit_code == int(words[-1].endswith("ipynb"))
+        assert f"newest one with answers: {mine}." in result.output
+        assert f"{lesson}.ipynb does not count: {BLANK}." in result.output
+    shutil.copytree(tmp_path / "out", tmp_path / "in" / "ada")
+    (counts,) = gather(tmp_path / "in", tmp_path / "scratch", [lesson]).submissions
+    assert counts.file.endswith(mine)
 
 
 def test_renew_says_what_it_did_and_outside_of_a_release_what_it_looked_for(tmp_path, monkeypatch):

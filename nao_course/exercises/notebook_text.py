@@ -29,7 +29,7 @@ MOST_CHANGED = 3  # text cells of the release that a student has changed; with m
 BEYOND = 10**9  # in place of the next released cell, after the last one
 TEXT = ("markdown", "raw")  # types of cells that do not run
 DEFINED = re.compile(r"^[ \t>]*+(?:async[ ]+)?(?:def|class)[ ]+(\w+)", re.MULTILINE)
-_DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
+DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 # A first line that keeps the cell from running as a part of the notebook.
 _MAGIC = re.compile(r"\s*+(%%(?!(?:time|timeit|capture|prun)\b)\w*)")
 
@@ -86,11 +86,21 @@ def read_notebook(path: str | Path, released: Outline = UNKNOWN) -> NotebookText
         If it is not a notebook; the message explains why.
     """
     file = Path(path)
+    return contents(file.name, read_bounded(file), released)
+
+
+def read_bounded(file: Path) -> bytes:
+    """Return the bytes of a file of at most MOST_BYTES; raise as `read_notebook` does."""
     if file.exists() and not file.is_file():
         raise ValueError(f"{file.name}: not a file")
     if file.stat().st_size > MOST_BYTES:
         raise ValueError(f"{file.name}: a notebook may have at most {MOST_BYTES // 2**20} MB")
-    return _contents(file.name, file.read_bytes(), released)[0]
+    return file.read_bytes()
+
+
+def contents(name: str, content: bytes | bytearray, released: Outline = UNKNOWN) -> NotebookText:
+    """Return the contents of a notebook that was read from a file of this name; raise as `read_notebook` does."""
+    return _contents(name, content, released)[0]
 
 
 def without_outputs(name: str, content: bytes | bytearray) -> bytes:
@@ -147,7 +157,7 @@ def _contents(
         raise ValueError(f"{name}: not a notebook of format 4 (it is nested too deeply)") from None
     except (ValueError, TypeError, KeyError, AttributeError, MemoryError) as error:
         raise ValueError(f"{name}: not a notebook of format 4 ({_why_unreadable(error)})") from None
-    if language and not any(_DEFINES.search(source) for _, source in code):
+    if language and not any(DEFINES.search(source) for _, source in code):
         raise ValueError(f"{name}: expected a notebook in Python, got {language}")
     return text, notebook
 

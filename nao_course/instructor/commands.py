@@ -65,9 +65,7 @@ def grade_folder(console: Console, path: Path, out: Path, lessons: Sequence[str]
         load_secret()  # what is missing is said before there is a journal
         course = load_course()
         wanted = course.names(lessons)
-        found = gather(
-            path, scratch, course.names(), wanted, known=_graded_before(out), released=course.released
-        )
+        found = gather(path, scratch, course.names(), wanted, known=_graded_before(out))
         waiting = of_lessons(found, wanted)
         if not waiting and not found.unknown:
             raise ValueError(
@@ -161,7 +159,7 @@ def handed_in_before(
     for number, place in enumerate(journal.places()):
         folder = scratch / f"earlier-{number}"
         with suppress(ValueError, OSError):
-            gathered = gather(place, folder, course.names(), wanted, known=known, released=course.released)
+            gathered = gather(place, folder, course.names(), wanted, known=known)
             replaces = _replacing(journal) if gathered.wrapper else None
             for each in gathered.submissions:
                 if not (replaces and replaces(each)):
@@ -351,7 +349,7 @@ def _handed_in(
     """Find a submission again where one of the runs had it."""
     for number, place in enumerate(places):
         folder, course = scratch / str(number), load_course()
-        found = gather(place, folder, course.names(), [result.lesson], known=known, released=course.released)
+        found = gather(place, folder, course.names(), [result.lesson], known=known)
         mine = [each for each in of_lessons(found, [result.lesson]) if each.student == result.student]
         # The folder around all students may be a student's own: it replaces nobody's submission.
         if mine and (not found.wrapper or submission_hash(mine[0]) == result.submission):

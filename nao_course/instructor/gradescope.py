@@ -196,7 +196,7 @@ def _results(handed_in: Path, scratch: Path, course: Course, lesson: str) -> dic
     """Grade the submission as a class of one student."""
     shutil.copytree(handed_in, scratch / "class" / "submission", symlinks=True)
     (scratch / "unpacked").mkdir()
-    given = partial(gather, scratch / "class", one_student=True, released=course.released)
+    given = partial(gather, scratch / "class", one_student=True)
     found = given(scratch / "unpacked", [lesson])
     used = lessons_used(course, lesson)
     (scratch / "earlier").mkdir()

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.exercises.answered import notebooks_in
 from nao_course.exercises.checking import grade_public, lessons, read_public, strict
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
@@ -22,7 +23,7 @@ from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.failed_cells import where_reused, why_missing
 from nao_course.exercises.interactive import unattended
 from nao_course.exercises.judging import CheckState, Report, with_the_reason
-from nao_course.exercises.lesson_names import PATTERN, meant, number_of
+from nao_course.exercises.lesson_names import meant, number_of
 from nao_course.exercises.outline import read_outline
 from nao_course.exercises.running import TimeIsUp, alarm
 from nao_course.exercises.trying import Message
@@ -115,7 +116,7 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
 
 
 def functions(
-    lesson: str, folder: str | Path | None = None, most_seconds: float = np.inf
+    lesson: str, folder: str | Path | None = None, most_seconds: float = np.inf, notebook: Path | None = None
 ) -> StudentFunctions:
     """Load the student's own functions of an earlier lesson.
 
@@ -127,6 +128,8 @@ def functions(
         Folder of the notebooks; by default $NAO_COURSE_NOTEBOOKS, else the working folder.
     most_seconds : float
         Longest wall clock for loading the notebook, and for each case of a check.
+    notebook : Path, optional
+        The notebook; by default the lesson's notebook in the folder, of several copies the one that a grader counts.
 
     Returns
     -------
@@ -139,18 +142,15 @@ def functions(
         If there is no such lesson.
     """
     public = read_public(lesson)
-    path = notebooks_folder(folder) / f"{lesson}.ipynb"
-    notebook = _read(path, most_seconds)
-    found = notebook.found
-    alone = {each.name: _report(each, notebook, most_seconds) for each in public.exercises}
+    loaded = _read(lesson, notebook or notebook_of(lesson, notebooks_folder(folder)), most_seconds)
+    found = loaded.found
+    alone = {each.name: _report(each, loaded, most_seconds) for each in public.exercises}
     reports = {each.name: with_the_reason(each, alone[each.name], alone) for each in public.exercises}
     right = {name: found[name] for name, report in reports.items() if report}
     unwritten = [each.number for each in public.written if not found.text.written.get(each.name)]
     wrong = tuple(report for report in reports.values() if not report)
     remarks = {name: report.lines[1:] for name, report in reports.items() if report}
-    return StudentFunctions(
-        lesson, right, wrong, tuple(unwritten), remarks, notebook.problem, notebook.failed
-    )
+    return StudentFunctions(lesson, right, wrong, tuple(unwritten), remarks, loaded.problem, loaded.failed)
 
 
 def earlier(use: str, folder: str | Path | None = None) -> Any:
@@ -235,7 +235,7 @@ def earlier_in(folder: Path) -> Callable[[str], Any]:
 def _finder(folder: Path, use: str) -> tuple[Callable[[], Any], Any]:
     """Return a function that returns an earlier function or raises the reason, and that function, right or not."""
     lesson, exercise = _exercise(use)
-    notebook = _read(folder.resolve() / f"{lesson}.ipynb")
+    notebook = _read(lesson, notebook_of(lesson, folder.resolve()))
     report, own = _report(exercise, notebook), notebook.found.get(exercise.name)
     return (lambda: own) if report else not_usable(use, " ".join(report.lines)), own
 
@@ -286,7 +286,7 @@ def own_function(
         reports.append(_quietly_graded(exercise, given[exercise.name], most_seconds))
         if reports[0]:
             return given[exercise.name], ""
-    notebook = _read(folder / f"{lesson}.ipynb", most_seconds)
+    notebook = _read(lesson, notebook_of(lesson, folder), most_seconds)
     reports.append(_report(exercise, notebook, most_seconds))
     if reports[-1]:
         return notebook.found[exercise.name], ""
@@ -317,13 +317,14 @@ def stored_result(use: str, folder: Path) -> str | None:
         Why the function does not pass; empty if it passes, and None if the notebooks were saved after the check.
     """
     lesson, exercise = _exercise(use)
-    return verdicts.kept(folder / f"{lesson}.ipynb", exercise.name)
+    return verdicts.kept(notebook_of(lesson, folder), exercise.name)
 
 
 @dataclass(frozen=True)
 class _Notebook:
-    """The definitions of a notebook, and why some or all of them are missing."""
+    """The definitions of a lesson's notebook, and why some or all of them are missing."""
 
+    lesson: str
     path: Path
     found: Definitions
     problem: str = ""
@@ -345,12 +346,17 @@ class _Notebook:
         return [f"{written} This may be the only reason: run nao-course in the notebook's version."]
 
 
-def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
+def notebook_of(lesson: str, folder: Path) -> Path:
+    """Return the path of a lesson's notebook in a folder; of several copies, the one that a grader counts."""
+    return notebooks_in(folder, [lesson]).get(lesson, [folder / f"{lesson}.ipynb"])[0]
+
+
+def _read(lesson: str, path: Path, most_seconds: float = np.inf) -> _Notebook:
     seconds = min(SECONDS, most_seconds)
     try:
-        times = tuple(each.stat().st_mtime_ns for each in sorted(path.parent.glob(f"{PATTERN}.ipynb")))
+        times = tuple(each.stat().st_mtime_ns for each in sorted(path.parent.glob("*.ipynb")))
         with alarm(seconds):
-            return _Notebook(path, _definitions(path, path.stat().st_mtime_ns, times))
+            return _Notebook(lesson, path, _definitions(lesson, path, path.stat().st_mtime_ns, times))
     except FileNotFoundError:
         problem = f"{path.name} is not in your folder {path.parent.resolve().name or path.parent.root}."
     except OSError as error:
@@ -364,7 +370,7 @@ def _read(path: Path, most_seconds: float = np.inf) -> _Notebook:
             else "run progress(), which allows more time."
         )
         problem = f"{path.name} takes longer than {seconds:g} s: {why}"
-    return _Notebook(path, Definitions({}), problem)
+    return _Notebook(lesson, path, Definitions({}), problem)
 
 
 def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float = np.inf) -> Report:
@@ -390,8 +396,10 @@ def _report(exercise: PublicExercise, notebook: _Notebook, most_seconds: float =
     if not report:
         more = (*where_reused(report.lines, notebook.sources), *notebook.of_newer_versions(report.lines))
         report = replace(report, lines=(*report.lines, *more))
-    if report.state != "interrupted" and not strict():  # a check with more time may give another result
-        verdicts.keep(notebook.path, exercise.name, "" if report else _lacking(notebook.path.stem, report))
+    is_copy = notebook.path.stem != notebook.lesson
+    # A check with more time may give another result.
+    if report.state != "interrupted" and not strict() and not is_copy:
+        verdicts.keep(notebook.path, exercise.name, "" if report else _lacking(notebook.lesson, report))
     return report
 
 
@@ -402,16 +410,16 @@ def _quietly_graded(exercise: PublicExercise, function: Any, most_seconds: float
 
 
 @lru_cache(maxsize=32)
-def _definitions(path: Path, changed: int, others: tuple[int, ...]) -> Definitions:
+def _definitions(lesson: str, path: Path, changed: int, others: tuple[int, ...]) -> Definitions:
     """Return the definitions of a notebook in its saved state, without its printed output."""
 
     def before_this(use: str) -> Any:
         # Two lessons that use each other would recurse for ever.
-        if split_use(use)[0] >= number_of(path.stem):
-            return stand_in(use, not_usable(use, f"lesson {path.stem} comes first."))
+        if split_use(use)[0] >= number_of(lesson):
+            return stand_in(use, not_usable(use, f"lesson {lesson} comes first."))
         return earlier_in(path.parent)(use)
 
     if str(path.parent) not in sys.path:  # of the student's own files; behind the library's, as in the grader
         sys.path.append(str(path.parent))
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()), unattended():
-        return load_definitions(path, earlier=before_this, released=read_outline(path.stem))
+        return load_definitions(path, earlier=before_this, released=read_outline(lesson))

@@ -74,7 +74,12 @@ def _read(folder: Path) -> dict[str, Any]:
 def _state_of(notebook: Path) -> str:
     """Return a digest of everything that a check depends on: this and earlier notebooks, helpers, and the course."""
     number, folder = number_of(notebook.stem), notebook.parent
-    lessons = [path for path in folder.glob(f"{PATTERN}.ipynb") if number_of(path.stem) <= number]
+    # What is named after no number may be a copy of an earlier lesson.
+    lessons = [
+        path
+        for path in folder.glob("*.ipynb")
+        if not path.match(f"{PATTERN}.ipynb") or number_of(path.stem) <= number
+    ]
     digest = hashlib.sha256(_version().encode())
     for path in sorted([*lessons, *folder.glob("*.py")]):
         with suppress(OSError):  # the file was just deleted

@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from nao_course._internal.counts import say_count
+from nao_course.exercises.answered import Inspection, precedence, why_not
 from nao_course.exercises.lesson_names import found_in, lesson_and_more, lesson_of
 from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
-from nao_course.instructor.collecting.choosing import NOT_INSPECTED, Inspection, inspect_notebook
+from nao_course.instructor.collecting.choosing import NOT_INSPECTED, inspect_notebook
 from nao_course.instructor.collecting.layouts import HandedIn, Students, added_for, is_request
 from nao_course.instructor.collecting.marks import without_weak_marks
 from nao_course.instructor.collecting.names import clean_name
@@ -30,6 +31,7 @@ from nao_course.instructor.collecting.wrappers import (
 
 _MOST_NOTES = 20
 _MOST_INSPECTED = 8  # notebooks of one student and lesson, the newest ones
+_BEYOND = Inspection("", -1)  # of the others
 _EARLIEST, _LATEST = (datetime(year, 1, 1, tzinfo=UTC) for year in (2020, 2100))  # of a receipt
 _ALIKE = "{} folders or files have names that are too similar to assign them to students: rename them"
 _MOVE_ZIPS = "Put each zip into a folder that is named after its student"
@@ -139,7 +141,6 @@ def gather(
     *,
     one_student: bool = False,
     known: Collection[str] = (),
-    released: Path | None = None,
 ) -> Gathered:
     """Find all submissions. If a student has several of a lesson, use the newest one in which something is answered.
 
@@ -157,8 +158,6 @@ def gather(
         Whether the one folder in it is a student's, whatever is in that.
     known : collection of str
         Students of earlier runs: a folder with such a name is that student's, whatever is in it.
-    released : Path, optional
-        Folder of the released notebooks: a notebook that only repeats one of them is not answered.
 
     Returns
     -------
@@ -171,9 +170,7 @@ def gather(
         If the path does not exist, or is neither a folder nor a zip.
     """
     unwrapped, students = open_download(path, lessons, known, one_student=one_student)
-    search = _Search(
-        scratch, tuple(lessons), tuple(lessons if wanted is None else wanted), students, released
-    )
+    search = _Search(scratch, tuple(lessons), tuple(lessons if wanted is None else wanted), students)
     search.refused = unwrapped.refused
     for item in unwrapped.items:
         search.look_at(item)
@@ -214,6 +211,14 @@ def open_download(
 # --- who handed in what ---
 
 
+class _StudentsZip(NamedTuple):
+    """A zip that a student made: its time, when `nao-course submit` packed it or 0, and a note about its receipt."""
+
+    time: float
+    packed: float
+    note: str
+
+
 @dataclass(frozen=True)
 class _Candidate:
     """A notebook that may be a student's submission."""
@@ -222,43 +227,39 @@ class _Candidate:
     name: HandedIn
     home: tuple[Any, ...]  # helpers with the same one belong to it
     shown: str
-    packed: float  # when its zip of `nao-course submit` was made; 0 without one
     number: int  # among the student's notebooks of the lesson
     is_named: bool = True  # exactly after its lesson
     more: str = ""  # words behind the lesson's name
-    note: str = ""  # about its receipt
+    zip: _StudentsZip | None = None
     inspection: Inspection = NOT_INSPECTED
 
     @property
     def time(self) -> float:
         """The time of the receipt or file; 0 in Moodle's zip, whose times are the times of the download."""
         undated = self.name.platform == "Moodle" and self.item.entry is not None
-        return self.packed or (0.0 if undated else self.item.time)
+        time, packed, _ = self.zip or (self.item.time, 0.0, "")
+        return packed or (0.0 if undated else time)
 
     @property
     def age(self) -> tuple[Any, ...]:
-        """What makes a notebook newer than another one: the platform's attempt and time, then the file's time."""
-        return (self.name.order, self.time)
+        """What makes a notebook newer than another one: the platform's attempt and time, then the file's time.
 
-    @property
-    def reason(self) -> str:
-        """Why an older notebook counts before it; often empty."""
-        return self.item.problem or self.inspection.problem
+        Of two notebooks in one zip of a student, the time that the zip holds decides.
+        """
+        return (self.name.order, self.time, self.item.time if self.zip else 0.0)
+
+    def is_dated_like(self, other: _Candidate) -> bool:
+        """Return whether the ages of both say something about each other."""
+        return self.name.order != other.name.order or bool(self.time and other.time)
 
 
 class _Search:
     """What has been found so far."""
 
     def __init__(
-        self,
-        scratch: Path,
-        lessons: tuple[str, ...],
-        wanted: tuple[str, ...],
-        students: Students,
-        released: Path | None,
+        self, scratch: Path, lessons: tuple[str, ...], wanted: tuple[str, ...], students: Students
     ) -> None:
-        self.scratch, self.lessons, self.wanted = scratch, lessons, wanted
-        self.students, self.released = students, released
+        self.scratch, self.lessons, self.wanted, self.students = scratch, lessons, wanted, students
         self.candidates: dict[tuple[str, str], list[_Candidate]] = defaultdict(list)
         self.helpers: dict[tuple[Any, ...], list[tuple[str, Item]]] = defaultdict(list)
         self.unknown: list[str] = []
@@ -338,7 +339,7 @@ class _Search:
             if several:
                 self.leave_out(shown, reason_for(several, "Grade this zip by itself"))
                 return
-        packed, note = _receipt_time(inside)
+        made = _StudentsZip(item.time, *_receipt_time(inside))
         if not any(
             each.parts[-1].lower().endswith((".ipynb", ".zip")) for each in inside if not each.ignored
         ):
@@ -351,29 +352,22 @@ class _Search:
             if inner.file.lower().endswith(".zip"):
                 self.leave_out(within, "a zip within a zip is not opened")
             else:
-                time = packed or item.time
-                self.take(replace(each, time=time), inner, (path, each.parts[:-1]), within, packed, note)
+                self.take(each, inner, (path, each.parts[:-1]), within, made)
                 if not is_certain and (lesson := lesson_of(inner.file, self.lessons)):
                     self.zips[item.parts[:-1], lesson].add(item.parts[-1].rpartition(".")[0])
 
     def take(
-        self,
-        item: Item,
-        name: HandedIn,
-        place: tuple[Any, ...],
-        shown: str,
-        packed: float = 0.0,
-        note: str = "",
+        self, item: Item, name: HandedIn, place: tuple[Any, ...], shown: str, made: _StudentsZip | None = None
     ) -> None:
         """Sort in a notebook or helper."""
         home = (name.student, *place)
         if name.file.lower().endswith(".ipynb"):
             if lesson := lesson_of(name.file, self.lessons):
-                self.add(item, name, lesson, home, shown, packed, note)
+                self.add(item, name, lesson, home, shown, made)
                 return
             lesson, more = lesson_and_more(name.file, self.lessons)
             if lesson := lesson or self.wanted_by_metadata(item):
-                self.add(item, name, lesson, home, shown, packed, note, is_named=False, more=more)
+                self.add(item, name, lesson, home, shown, made, is_named=False, more=more)
             else:
                 self.leave_out(shown, "it is named after no lesson of this course")
         elif _MODULE.fullmatch(name.file):
@@ -414,8 +408,7 @@ class _Search:
         lesson: str,
         home: tuple[Any, ...],
         shown: str,
-        packed: float = 0.0,
-        note: str = "",
+        made: _StudentsZip | None = None,
         *,
         is_named: bool = True,
         more: str = "",
@@ -431,7 +424,7 @@ class _Search:
         key = (clean_name(name.student), lesson)
         self.spellings[key[0]].add(name.student)
         found = self.candidates[key]
-        found.append(_Candidate(item, name, home, shown, packed, len(found), is_named, more, note))
+        found.append(_Candidate(item, name, home, shown, len(found), is_named, more, made))
 
     def result(self) -> Gathered:
         """Choose what counts and unpack it."""
@@ -503,7 +496,9 @@ class _Search:
         be of several students.
         """
         found = sorted(
-            self.candidates[student, lesson], key=lambda each: (each.is_named, each.age), reverse=True
+            self.candidates[student, lesson],
+            key=lambda each: (not each.item.problem, each.is_named, each.age),
+            reverse=True,
         )
         words = {without_weak_marks(each.more).casefold() for each in found if each.more}
         if len(words) > 1 and not any(each.is_named for each in found):
@@ -513,39 +508,26 @@ class _Search:
                 "put each into a folder that has the student's name; otherwise remove all but one"
             )
             return []
-        readable = [each for each in found if not each.item.problem]
-        if len(readable) > 1:
-            inspected = {
-                each.number: replace(each, inspection=inspect_notebook(each.item, lesson, self.released))
-                for each in readable[:_MOST_INSPECTED]
-            }
-            beyond = {
-                each.number: replace(each, inspection=Inspection("", -1))
-                for each in readable[_MOST_INSPECTED:]
-            }
-            found = [(inspected | beyond).get(each.number, each) for each in found]
-        best, *others = sorted(
-            found,
-            key=lambda it: (
-                not it.item.problem,
-                it.inspection.rank,
-                it.is_named,
-                it.age,
-                it.inspection.answers,
-                it.inspection.digest,
-                it.number,
-            ),
-            reverse=True,
-        )
-        notes = [f"{each.shown} does not count: {_why_not(each, best)}" for each in others[:_MOST_NOTES]]
+        if len(found) > 1:
+            found = [
+                replace(
+                    each, inspection=inspect_notebook(each.item, lesson) if at < _MOST_INSPECTED else _BEYOND
+                )
+                for at, each in enumerate(found)
+            ]
+        best, *others = sorted(found, key=lambda each: (*precedence(each), each.number), reverse=True)
+        notes = [
+            f"{each.shown} does not count: {why_not(each, best, is_dated=each.is_dated_like(best))}"
+            for each in others[:_MOST_NOTES]
+        ]
         newest = max(found, key=lambda each: each.age)
-        if newest.age > best.age and newest.reason:
+        if newest.age > best.age and newest.inspection.problem:
             self.older.append(
                 f"{student}, {lesson}: {best.shown} counts, because the newer {newest.shown} cannot be used "
-                f"({newest.reason})"
+                f"({newest.inspection.problem})"
             )
-        if best.note:
-            notes.insert(0, best.note)
+        if best.zip and best.zip.note:
+            notes.insert(0, best.zip.note)
         if not best.is_named:
             why = "its name begins with that lesson's" if best.more else "its metadata name that lesson"
             notes.insert(0, f"{best.shown} counts as {lesson}, because {why}")
@@ -555,8 +537,8 @@ class _Search:
             best.item.source,
             file=best.shown,
             reason=best.item.problem,
-            handed_in=datetime.fromtimestamp(best.packed, UTC).isoformat(" ", "minutes")
-            if best.packed
+            handed_in=datetime.fromtimestamp(best.zip.packed, UTC).isoformat(" ", "minutes")
+            if best.zip and best.zip.packed
             else "",
             late=best.name.late,
         )
@@ -590,21 +572,6 @@ class _Search:
         folder.mkdir(parents=True)
         (folder / name).write_bytes(content)
         return folder / name
-
-
-def _why_not(other: _Candidate, best: _Candidate) -> str:
-    """Return the reason why one notebook does not count and the other one does."""
-    if other.reason and (other.item.problem or other.inspection.rank < best.inspection.rank):
-        return other.reason
-    if best.is_named > other.is_named:
-        return "another one has the lesson's name"
-    if best.age > other.age and (best.name.order > other.name.order or (best.time and other.time)):
-        return "another one is newer"
-    return (
-        "another one has more answers"
-        if best.inspection.answers > other.inspection.answers
-        else "another one counts"
-    )
 
 
 def _each_student_first(lines: list[str]) -> tuple[str, ...]:

@@ -45,7 +45,7 @@ def find_similar(console: Console, path: Path, lessons: Sequence[str], out: Path
     """
     course = load_course()
     with scratch_folder() as scratch, Progress(console=console, transient=True) as progress:
-        found = gather(path, scratch, course.names(), course.names(lessons), released=course.released)
+        found = gather(path, scratch, course.names(), course.names(lessons))
         left_out = [f"{each.student}, {each.lesson}: {each.reason}" for each in found.refused]
         left_out += found.not_graded
         works: dict[str, list[Work]] = defaultdict(list)

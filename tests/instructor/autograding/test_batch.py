@@ -123,9 +123,7 @@ def test_a_new_notebook_with_nothing_to_grade_keeps_the_earlier_result_and_is_na
     def run(number, content):
         root = tmp_path / f"in{number}"
         chain.hand_in(root, "ada", content)
-        found = of_lessons(
-            gather(root, root / "scratch", course.names(), released=course.released), course.names()
-        )
+        found = of_lessons(gather(root, root / "scratch", course.names()), course.names())
         publish = batch.feedback_writer(journal, tmp_path / "feedback")
         return grade_all(found, lambda lesson: assignment, journal, server=server, publish=publish)
 

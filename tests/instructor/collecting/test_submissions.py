@@ -11,12 +11,14 @@ from pathlib import Path
 import pytest
 
 from nao_course import homework
+from nao_course.exercises.answered import BLANK as BLANK_NOTE
 from nao_course.instructor.collecting import submissions
 from nao_course.instructor.collecting.archives import LARGEST_READ, Refused
 from nao_course.instructor.collecting.files import read
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons
 from tests.handed_in import HSL, LESSONS, NOTEBOOK, answered, packed, posix, put, reasons, who
+from tests.paths import PROJECT
 
 # --- names ---
 
@@ -383,26 +385,41 @@ def test_of_notebooks_of_one_time_the_one_with_more_answers_counts_whatever_they
         assert read(found.submissions[0]).notebook == answered(3)
 
 
-def test_what_only_repeats_the_release_is_no_answer(tmp_path):
-    given = tmp_path / "released"
-    put(given, HSL, content=answered(2))  # defines f0 and f1 for everybody
-    for older, newer, counts in ((answered(3), answered(2), "older"), (answered(2), answered(1), "newer")):
-        path = put(tmp_path / counts, f"ada/older {HSL}", content=older)
-        put(path, f"ada/{HSL}", content=newer)
-        os.utime(path / f"ada/older {HSL}", (1e9, 1e9))
-        (found,) = gather(path, tmp_path, LESSONS, released=given).submissions
-        assert ("older" in found.file) == (counts == "older")
+@pytest.mark.parametrize("keeps", [True, False])
+def test_what_only_repeats_the_release_is_no_answer_with_or_without_its_metadata(look, tmp_path, keeps):
+    blank, solved = (json.loads((PROJECT / each / HSL).read_bytes()) for each in ("notebooks", "solutions"))
+    for cell in () if keeps else (*blank["cells"], *solved["cells"]):
+        cell["metadata"] = {}
+    put(tmp_path / "in", f"ada/older {HSL}", content=json.dumps(solved).encode())
+    put(tmp_path / "in", f"ada/{HSL}", content=json.dumps(blank).encode())
+    os.utime(tmp_path / "in" / f"ada/older {HSL}", (1e9, 1e9))
+    (found,) = look(tmp_path / "in").submissions
+    assert "older" in found.file and found.notes[0].endswith(BLANK_NOTE)
 
 
-def test_another_lessons_notebook_under_this_lessons_name_never_counts_before_an_answer(tmp_path):
-    given = put(tmp_path / "released", HSL, content=answered(0))  # asks for f
-    stamp = {"nao_course": {"lesson": LESSONS[2]}}
-    for own, counts in (("f0", "older"), ("f", "newer")):  # f in it was pasted into it
-        newer = json.loads(answered(2).replace(b"def f0", f"def {own}".encode())) | {"metadata": stamp}
+def test_in_a_students_zip_the_newest_answered_copy_counts_with_and_without_a_receipt(look, tmp_path):
+    names = [HSL, f"Kopie von {HSL}", f"{HSL[:-6]} (1).ipynb"]
+    for at, (name, answers) in enumerate(zip(names, (3, 1, 0), strict=True)):
+        put(tmp_path / "work", name, content=answered(answers))
+        os.utime(tmp_path / "work" / name, (1.7e9 + 100 * at, 1.7e9 + 100 * at))
+    zipped = homework.submit(tmp_path / "work", tmp_path / "in" / "ada").path
+    with zipfile.ZipFile(zipped) as whole, zipfile.ZipFile(tmp_path / "plain.zip", "w") as plain:
+        for entry in whole.infolist():
+            if entry.filename != "receipt.json":
+                plain.writestr(entry, whole.read(entry))
+    put(tmp_path / "in", "ben/work.zip", content=(tmp_path / "plain.zip").read_bytes())
+    for found in look(tmp_path / "in").submissions:
+        assert read(found).notebook == answered(1) and len(found.notes) == 2
+
+
+def test_another_lessons_notebook_under_this_lessons_name_never_counts_before_an_answer(look, tmp_path):
+    other = json.loads((PROJECT / "solutions" / f"{LESSONS[1]}.ipynb").read_bytes())
+    pasted = {"cell_type": "code", "metadata": {}, "source": "def hue_mask(hue):\n    return hue > 1"}
+    for cells, counts in ((other["cells"], "older"), ([*other["cells"], pasted], "newer")):
         path = put(tmp_path / counts, f"ada/older {HSL}", content=answered(1))
-        put(path, f"ada/{HSL}", content=json.dumps(newer).encode())
+        put(path, f"ada/{HSL}", content=json.dumps(other | {"cells": cells}).encode())
         os.utime(path / f"ada/older {HSL}", (1e9, 1e9))
-        (found,) = gather(path, tmp_path, LESSONS, released=given).submissions
+        (found,) = look(path).submissions
         assert ("older" in found.file) == (counts == "older")
 
 

@@ -194,6 +194,8 @@ def of_version_1(folder):
     found = json.loads(database.execute("SELECT result FROM results").fetchone()[0])
     for each in found["exercises"]:
         del each["answer"]
+    for each in found["written"]:
+        del each["note"]
     database.execute("UPDATE results SET result = ?", (json.dumps(found),))
     database.execute("PRAGMA user_version = 1")
     database.commit()
@@ -209,6 +211,8 @@ def test_decisions_of_an_older_journal_are_for_the_answers_that_were_there(tmp_p
         journal.request([Request("ada", LESSON, "hue_mask", "please")])
         journal.answer("ada", LESSON, "hue_mask", "no", "")
     of_version_1(tmp_path)
+    with Journal(tmp_path) as journal:
+        assert journal.results()[0].written == RESULT.written
     known = replace(RESULT, exercises=(replace(EXERCISE, answer="x"),), assignment="b")  # graded again
     elsewhere = replace(known, submission="t")
     changed = replace(
