@@ -130,9 +130,9 @@ def lesson_of_notebook(file: str, lessons: Sequence[str]) -> str:
 
 
 def notebooks_in(folder: Path, lessons: Sequence[str]) -> dict[str, list[Path]]:
-    """Return the notebooks of a folder that a grader accepts, by lesson: the one that counts first.
+    """Return the notebooks of a folder that a grader accepts, by lesson, with the notebook that counts first.
 
-    A notebook with the number of another lesson, which the course does not have here, is its own lesson.
+    A notebook with the number of a lesson that is not listed is of a lesson of its own.
     """
     found: dict[str, list[Path]] = {}
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
@@ -147,7 +147,7 @@ def notebooks_in(folder: Path, lessons: Sequence[str]) -> dict[str, list[Path]]:
 
 
 def copies_of(lesson: str, paths: Sequence[Path]) -> list[CopyInFolder]:
-    """Return the notebooks of a lesson, the one that counts first."""
+    """Return the notebooks of a lesson, with the notebook that counts first."""
     copies = []
     for path in paths:
         try:

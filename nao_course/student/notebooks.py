@@ -129,7 +129,7 @@ def functions(
     most_seconds : float
         Longest wall clock for loading the notebook, and for each case of a check.
     notebook : Path, optional
-        The notebook; by default the lesson's notebook in the folder, of several copies the one that a grader counts.
+        The notebook; by default the lesson's notebook in the folder, of several copies the copy that a grader counts.
 
     Returns
     -------
@@ -347,7 +347,7 @@ class _Notebook:
 
 
 def notebook_of(lesson: str, folder: Path) -> Path:
-    """Return the path of a lesson's notebook in a folder; of several copies, the one that a grader counts."""
+    """Return the path of a lesson's notebook in a folder; of several copies, the copy that a grader counts."""
     return notebooks_in(folder, [lesson]).get(lesson, [folder / f"{lesson}.ipynb"])[0]
 
 

@@ -52,11 +52,6 @@ class Course:
         """The folder of the lessons' texts."""
         return self.root / "solutions"
 
-    @property
-    def released(self) -> Path:
-        """The folder of the students' notebooks."""
-        return self.root / "notebooks"
-
     def names(self, wanted: Sequence[str] = ()) -> list[str]:
         """Return the names of lessons, given by number or name; of all by default.
 
