@@ -153,9 +153,8 @@ def submit(folder: Path, out: Path) -> Receipt:
     code = hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
     path = out / f"submission-{now:%Y%m%d-%H%M%S}.zip"
     out.mkdir(parents=True, exist_ok=True)
-    times = {
-        each.name: each.stat().st_mtime for each in found if each.name in files
-    }  # of copies, the newest counts
+    # Of several copies, the newest counts
+    times = {each.name: each.stat().st_mtime for each in found if each.name in files}
     path.write_bytes(zipped(files | {"receipt.json": _json(contents | {"code": code})}, times=times))
     return Receipt(path, time, hashes, versions, code)
 

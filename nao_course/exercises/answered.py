@@ -62,7 +62,11 @@ def inspect_content(name: str, content: bytes, released: Outline, whole: bytes =
     other = bool(released.cells) and text.lesson not in ("", Path(name).stem)
     answers = 0 if other else sum(map(bool, text.written.values()))
     for role, source in text.cells:
-        if role not in ("solution", "student", "edited") or _UNWRITTEN in source or released.is_released(source):
+        if (
+            role not in ("solution", "student", "edited")
+            or _UNWRITTEN in source
+            or released.is_released(source)
+        ):
             continue
         if other:  # of another lesson's notebook, only what defines this lesson's exercises
             answers += bool(released.exercises.intersection(DEFINED.findall(source)))

@@ -322,12 +322,10 @@ class ForkServer:
         for worker in self.workers.values():
             roots = {worker.process, worker.init.process if worker.init else None}
             family = [each for each in parents if _descends(each, roots, parents)]
-            for each in family:
-                if (
-                    each not in roots
-                ):  # else they would keep the worker and its neighbours waiting for a processor
-                    with contextlib.suppress(OSError):
-                        os.setpriority(os.PRIO_PROCESS, each, _LAST)
+            # Else a worker's own processes would keep it and its neighbours waiting for a processor
+            for each in set(family) - roots:
+                with contextlib.suppress(OSError):
+                    os.setpriority(os.PRIO_PROCESS, each, _LAST)
             held = sum(max(_held(str(each)) - own, 0) for each in family)
             if worker.init and not worker.over and held > self.confinement.bounds.memory + _ABOVE:
                 worker.over = True

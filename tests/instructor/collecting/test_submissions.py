@@ -380,7 +380,7 @@ def test_in_a_students_zip_the_newest_answered_copy_counts_with_and_without_a_re
 
 
 def test_another_lessons_notebook_under_this_lessons_name_never_counts_before_an_answer(look, tmp_path):
-    other = json.loads((PROJECT / "solutions" / f"{LESSONS[1]}.ipynb").read_bytes())
+    other = json.loads((PROJECT / "solutions" / "02_goalposts.ipynb").read_bytes())
     pasted = {"cell_type": "code", "metadata": {}, "source": "def hue_mask(hue):\n    return hue > 1"}
     for cells, counts in ((other["cells"], "older"), ([*other["cells"], pasted], "newer")):
         path = put(tmp_path / counts, f"ada/older {HSL}", content=answered(1))

@@ -79,9 +79,7 @@ def test_a_call_that_waits_for_a_processor_has_its_time_left(tmp_path, warm_serv
         assert worker.allowance.total > 0.4 - 0.01
         worker.definitions  # noqa: B018 - it loads
         channel = worker._channel
-        queued = iter(
-            [0.0, 0.7, *[0.0] * 100]
-        )  # s in the queue for a processor, by a kernel on a busy machine
+        queued = iter([0.0, 0.7, *[0.0] * 100])  # s in the queue for a processor on a busy machine
         monkeypatch.setattr(channel, "waited_since", lambda: next(queued))
         assert worker.call("waits", Case((1,)), seconds=0.2) == Outcome("value")
         queued = iter([0.0, *[1e4] * 100])  # waiting without end is counted from nine times the limit on
