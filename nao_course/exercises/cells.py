@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,6 +12,7 @@ SHOWN = ("display", "example", "payoff")
 # role, also an unknown one, is the student's. Of the set-up, the grader runs the imports.
 NOT_RUN = ("check", "written", *SHOWN)
 GIVEN = ("setup", *NOT_RUN)
+_DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]", re.MULTILINE)
 
 
 def metadata(part: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -51,7 +53,8 @@ def is_graded(cell: Mapping[str, Any]) -> bool:
 def stated_role(cell: Mapping[str, Any]) -> str:
     """Return the role that a cell's metadata state: "solution" or one of `GIVEN`; empty if they state none."""
     if is_solution(cell):
-        return "written" if is_graded(cell) else "solution"
+        is_code = cell.get("cell_type") == "code" and _DEFINES.search(source_of(cell))
+        return "written" if is_graded(cell) and not is_code else "solution"
     if is_graded(cell):
         return "check"
     role = metadata(cell, "nao_course").get("role")

@@ -153,11 +153,12 @@ LOOPS = (
                 while True: pass
         class Nameless(metaclass=Meta): pass
         """,
+        honest={},
     ),
     in_clamp(
         "lock_that_nobody_opens", "loops", "import threading\nl = threading.Lock()\nl.acquire()\nl.acquire()"
     ),
-    in_clamp("waits_for_input", "loops", "return float(input())", says="EOFError"),
+    in_clamp("waits_for_input", "loops", "return float(input())", says="It waits for a person"),
     in_clamp("stops_itself", "loops", "import os, signal\nos.kill(os.getpid(), signal.SIGSTOP)"),
 )
 
@@ -462,7 +463,7 @@ PATCHES = (
         ast.parse = lambda *_, **__: ast.Module([], [])
         definitions.load_definitions = lambda *_, **__: definitions.Definitions({'clamp': lambda *_: True})
         """,
-        honest={},
+        honest=all_but("clamp"),
     ),
     in_clamp(
         "hunts_for_expected_values_in_memory",
@@ -536,7 +537,6 @@ PATCHES = (
         "return -1e6",
         "import sys\ndef hook(event, args):\n    raise OSError(event)\nhooked = sys.addaudithook(hook)\n",
         honest={},
-        refused=True,
     ),
     in_clamp(
         "poisons_the_libraries_for_the_next_one",
@@ -855,7 +855,7 @@ ANSWERS = (
         "says_itself_what_it_defines",
         """
         names = [f'f{number}' for number in range(150_000)] + ['clamp', '__import__', 'x' * 10**5]
-        told = ('found', names, [[0, 0, 'x' * 10**5]], {'why': 'y' * 10**5}, 'z' * 10**5, 'v' * 10**5)
+        told = ('found', names, [[0, 0, 'x' * 10**5]], {'why': 'y' * 10**5}, 'z' * 10**5, 'v' * 10**5, '', {})
         said = loop.say(encode(told))
         """,
         honest={},
@@ -873,7 +873,7 @@ ANSWERS = (
         "is_skipped_with_tricks_for_a_terminal",
         r"""
         reason = '\x1b]0;nao\x07\x1b[2J\u202e' + 'x' * 10**3
-        said = loop.say(encode(('found', ['clamp'], [[1, 2, reason]] * 1000, {}, reason, reason)))
+        said = loop.say(encode(('found', ['clamp'], [[1, 2, reason]] * 1000, {}, reason, reason, '', {})))
         """,
         honest={},
     ),

@@ -621,9 +621,6 @@ LARGE = (
     refused("comma_at_the_end", lambda text: text[:-1] + ",}"),
     refused("comments", lambda text: "// notes\n" + text),
     refused("line_ends_in_texts", raw(lambda: '"a\nb"')),
-    refused("half_a_byte", lambda text: text.replace("xxx", "x\xe9x", 1).encode("latin-1")),
-    refused("bytes_of_half_characters", lambda text: text.encode().replace(b"xxx", b"\xed\xa0\x80", 1)),
-    refused("utf_16", lambda text: text.encode("utf-16")),
     refused("utf_32_without_a_mark", lambda text: text.encode("utf-32-le")),
     refused("gzip", lambda text: gzip.compress(text.encode(), 0)),
     refused("page_of_the_web", lambda _: "<!doctype html><title>nao_attack</title>" + MUCH),
@@ -642,7 +639,7 @@ LARGE = (
     refused("language_that_plays_tricks", lambda _: json.dumps(json.loads(foreign("x <- 1", "R"))
             | {"metadata": _TRICKS, "x": MUCH}), "in Python, got"),
     refused("metadata_that_count_as_code", lambda text: text.replace(
-        '"version": "1"', f'"version": "{"1" * 13 * 2**20}"', 1), "its code and metadata may have at most 12 MB"),
+        '"version": "1"', f'"version": "{"1" * 13 * 2**20}"', 1), "its code and texts may have at most 12 MB"),
     refused("code_of_13_mb", lambda text: text.replace(
         json.dumps(CLAMP), json.dumps(CLAMP + "\n#" + "x" * 13 * 2**20)), "may have at most 12 MB"),
     refused("blank", lambda _: " \n" * 2_000_000, "it is empty"),
