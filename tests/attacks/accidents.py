@@ -92,7 +92,6 @@ NO_NOTEBOOKS = (
     broken("format_5", json.dumps(HONEST | {"nbformat": 5})),
     broken("language_r", foreign(R_CELLS, "R"), "in Python, got R"),
     broken("language_julia", foreign(JULIA_CELLS, "julia"), "in Python, got julia"),
-    broken("utf_16", TEXT.encode("utf-16")),
     broken("utf_32", TEXT.encode("utf-32")),
     broken("latin_1", TEXT.replace("return", "# é\\n    return").encode("latin-1")),
     broken("conflict_in_file", CONFLICT),
