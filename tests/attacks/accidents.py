@@ -92,8 +92,6 @@ NO_NOTEBOOKS = (
     broken("format_5", json.dumps(HONEST | {"nbformat": 5})),
     broken("language_r", foreign(R_CELLS, "R"), "in Python, got R"),
     broken("language_julia", foreign(JULIA_CELLS, "julia"), "in Python, got julia"),
-    broken("utf_32", TEXT.encode("utf-32")),
-    broken("latin_1", TEXT.replace("return", "# é\\n    return").encode("latin-1")),
     broken("conflict_in_file", CONFLICT),
     broken("html", "<!doctype html><title>nao_attack</title><p>Log in to download"),
     broken("python_script", "\n\n".join(RIGHT.values())),
@@ -144,6 +142,9 @@ WRITTEN = {"nbgrader": {"grade_id": "why", "grade": True, "solution": True, "poi
 CONFLICT_IN_CELL = f"<<<<<<< HEAD\n{RIGHT['clamp']}\n=======\n{BLANK['clamp']}\n>>>>>>> mine"
 ODD_NOTEBOOKS = (
     readable("utf_8_bom", TEXT.encode("utf-8-sig")),
+    readable("utf_32", TEXT.encode("utf-32")),
+    readable("utf_16", TEXT.encode("utf-16")),
+    readable("latin_1", TEXT.replace("return", "# é\\n    return").encode("latin-1")),
     readable("windows_lines", TEXT.replace("\n", "\r\n")),
     readable("keys_twice", TEXT.replace('"cells"', '"cells": [], "cells"', 1)),
     readable("constants_nan", TEXT.replace('"metadata": {', '"metadata": {"nan": NaN, "inf": -Infinity,')),
