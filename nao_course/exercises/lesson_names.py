@@ -12,7 +12,7 @@ LONGEST_FILE = (
 )
 # What browsers, Jupyter and people put behind a name. Possessive: a name of any length costs one pass.
 _COPY = re.compile(
-    r"(?:[ _-]*+(?:\(\d++\)|(?:copy|kopie|copie|copia|kopia|kopi|version|v|final) ?+\d*+(?![^\W\d_])|\d++))*+",
+    r"(?:[ _-]*+(?:\(\d++\)|(?:copy|kopie|copie|copia|kopia|kopi|version|v|final)(?: ?\d++)?+(?![^\W\d_])|\d++))*+",
     re.IGNORECASE,
 )
 # What Google Drive and file managers put before a name.
@@ -91,7 +91,7 @@ def lesson_of(file: str, lessons: Sequence[str]) -> str:
 
     Examples
     --------
-    >>> lesson_of("01_HSL_filtering (1).ipynb", ["01_hsl_filtering"])
+    >>> lesson_of("my 01_HSL_filtering final v2 (3)-Copy1.ipynb", ["01_hsl_filtering"])
     '01_hsl_filtering'
     """
     for lesson, before, after in found_in(file, lessons):

@@ -190,7 +190,7 @@ ODD_NOTEBOOKS = (
     edited("a_line_of_5_mb", into(1, source=RIGHT["clamp"] + "  #" + "x" * 5 * 2**20), row="large"),
     edited("blanks_of_1_mb", into(1, source=RIGHT["clamp"] + "\n%time 1\n" + " " * 2**20 + "#"), row="large"),
     edited("blank_lines_of_1_mb", into(1, source="%time 1\n" + "\n" * 2**20 + RIGHT["clamp"]), row="large"),
-    edited("empty_cells_20_000", lambda made: made["cells"].extend([cell("")] * 20_000), row="large"),
+    edited("empty_cells_100_000", lambda made: made["cells"].extend([cell("")] * 100_000), row="large"),
     edited("written_cells_10_000", adding(*[markdown("x" * 100, metadata=WRITTEN)] * 10_000), row="large"),
     edited(
         "expression_too_deep",
