@@ -787,7 +787,9 @@ FILES = (
         ),
     ),
     named("two_notebooks_of_one_lesson", (f"{LESSON} (1).ipynb", WRONG_TEXT), (FILE, TEXT)),
-    Attack("two_notebooks_and_the_later_is_blank", "broken", ALL, files={f"{LESSON}-Copy1.ipynb": WRONG_TEXT}),
+    Attack(
+        "two_notebooks_and_the_later_is_blank", "broken", ALL, files={f"{LESSON}-Copy1.ipynb": WRONG_TEXT}
+    ),
     named("name_of_255_bytes", (f"{LESSON}{' ' * (255 - len(LESSON) - 6)}.ipynb", TEXT)),
     named("name_with_upper_case", (f"{LESSON.upper()}.IPYNB", TEXT)),
     named("name_that_a_browser_and_a_person_made", (f"my {LESSON} final v2 (3)-Copy1.ipynb", TEXT)),
