@@ -67,7 +67,7 @@ class Outline:
         found, last = list[int](), -1
         for cell in cells:
             at = self._by_name.get(grade_id(cell), self._by_id.get(str(cell.get("id")), -1))
-            if at < 0 and (same := self._by_digest.get(digest(source_of(cell)))):
+            if at < 0 and (text := source_of(cell)) and (same := self._by_digest.get(digest(text))):
                 at = next((each for each in same if each > last), same[0])
             found.append(at)
             last = at if at >= 0 else last

@@ -153,7 +153,6 @@ LOOPS = (
                 while True: pass
         class Nameless(metaclass=Meta): pass
         """,
-        honest={},
     ),
     in_clamp(
         "lock_that_nobody_opens", "loops", "import threading\nl = threading.Lock()\nl.acquire()\nl.acquire()"
