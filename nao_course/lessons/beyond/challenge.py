@@ -39,14 +39,7 @@ _MOVE, _MEASURE = 0, 1  # random streams: the errors of moves and of measurement
 class Robot:
     """A robot that an entry drives: ``robot.look()``, and twenty times ``robot.move(option)``.
 
-    Parameters
-    ----------
-    start : Pose
-        Known first pose, field frame.
-    _landmarks : ndarray, shape (10, 2)
-        True positions, m, field frame.
-    _seed : int
-        Of all errors.
+    Its start is known, in the field frame; `_landmarks` (10, 2) are true positions in m, and `_seed` draws all errors.
     """
 
     start: Pose
@@ -74,10 +67,7 @@ class Robot:
     def move(self, option: Any) -> FloatArray:
         """Move by an option, or by (distance, turn), at most 0.3 m; returns the errors' covariance (3, 3).
 
-        Raises
-        ------
-        ValueError
-            For an invalid move, after the twentieth move, and for a move that leaves the carpet.
+        Raise a ValueError for an invalid move, after the twentieth move, and for a move that leaves the carpet.
         """
         if not self.moves_left:
             raise ValueError(f"all {MOVES} moves are made")
@@ -121,17 +111,7 @@ def _as_control(option: Any) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A robot among landmarks.
-
-    Parameters
-    ----------
-    start : Pose
-        Field frame.
-    landmarks : ndarray, shape (10, 2)
-        True positions, m.
-    seed : int
-        Of the errors.
-    """
+    """A robot among landmarks: its start in the field frame, and the true positions (10, 2) in m."""
 
     start: Pose
     landmarks: FloatArray
@@ -175,10 +155,7 @@ def judge(answer: Any, case: Case) -> CaseScore:
 def as_map(answer: Any) -> tuple[list[int], FloatArray, FloatArray]:
     """Return the landmarks of an answer: their numbers, positions (k, 2) and covariance (2k, 2k).
 
-    Raises
-    ------
-    TypeError, ValueError
-        If the answer is anything else; the message is for the student.
+    Raise a TypeError or ValueError with a message for the student if the answer is anything else.
     """
     if answer is None:
         raise TypeError("Your entry returns None: does it end with return numbers, state, covariance?")

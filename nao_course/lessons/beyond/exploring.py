@@ -175,16 +175,8 @@ def as_steps(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int_]:
 class Known:
     """Knowledge of a room after a move.
 
-    Parameters
-    ----------
-    grid : ndarray of int, shape (rows, columns)
-        UNKNOWN, FREE or OCCUPIED.
-    place : ndarray, shape (2,)
-        Position of the robot, m.
-    goal : (int, int) or None
-        Cell to which it drives.
-    part : float
-        Known fraction of the cells that can be seen at all.
+    `grid` (rows, columns) holds UNKNOWN, FREE or OCCUPIED, `place` (2,) is the robot's position in m, `goal` is the
+    cell to which it drives, and `part` is the known fraction of the cells that can be seen at all.
     """
 
     grid: Grid
@@ -196,16 +188,7 @@ class Known:
 def explore(travel_steps: Function, choose: Choose, seed: int, moves: int) -> Iterator[Known]:
     """Explore a room of boxes, and yield the state of knowledge after each move.
 
-    Parameters
-    ----------
-    travel_steps : callable
-        The student's ``travel_steps(free, start)``.
-    choose : callable
-        Strategy that chooses the goal.
-    seed : int
-        Of the boxes.
-    moves : int
-        Number of moves of 0.3 m; a robot without a goal stays.
+    Each of the moves is 0.3 m long; a robot without a goal stays.
     """
     taken = room_of_boxes(seed)
     seeable = int(_seeable(taken).sum())

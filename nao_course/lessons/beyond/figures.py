@@ -52,14 +52,9 @@ def lap(seed: int, moves: int) -> list[Step]:
 def lost_filter(
     predict: Function, update_landmarks: Function, first: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Run a student's filter of lesson 07 from a first pose (3,) that is wrong.
+    """Run a student's filter of lesson 07 from a wrong pose (3,); return the last pose (3,) and covariance (3, 3).
 
     The map is known. Each measurement is associated with the landmark of its kind that fits the estimate best.
-
-    Returns
-    -------
-    pose, covariance : ndarray, shapes (3,) and (3, 3)
-        Estimate at the end of the drive.
     """
     kinds, k = np.array(KINDS), len(LANDMARKS)
     state = np.append(first, LANDMARKS.ravel())

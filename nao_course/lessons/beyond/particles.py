@@ -106,19 +106,10 @@ def chosen(answer: Any, n: int) -> npt.NDArray[np.intp]:
 
 @register
 def systematic(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
-    """Compare the draws of `resample` with equation 12.1, however they were computed.
+    """Return what is wrong with the draws of `resample` by equation 12.1, however they were computed, or an empty text.
 
-    Parameters
-    ----------
-    args : (weights, seeds)
-        Weights (N,), and a seed for each draw; some seeds occur twice.
-    answer : list
-        The draws, N indices each.
-
-    Returns
-    -------
-    str
-        Error message; empty if the draws are right.
+    The arguments are weights (N,) and a seed for each draw, of which some occur twice; the answer has N indices per
+    draw.
     """
     weights, seeds = args
     n = len(weights)
@@ -161,23 +152,9 @@ def _odd_counts(weights: FloatArray, counts: npt.NDArray[np.intp]) -> str:
 def find_itself(
     weigh: Function, resample: Function, steps: Iterable[Step], rng: np.random.Generator, n: int = 1000
 ) -> list[FloatArray]:
-    """Localise a robot on a known map, starting from particles everywhere.
+    """Return the n particles (n, 3) at the start and after each step on a known map, first spread everywhere.
 
-    Parameters
-    ----------
-    weigh, resample : callable
-        The student's.
-    steps : iterable of Step
-        A drive; only the kinds of the landmarks are used.
-    rng : numpy.random.Generator
-        Random numbers of the particles.
-    n : int
-        Number of particles.
-
-    Returns
-    -------
-    list of ndarray, shape (n, 3)
-        The particles at the start and after each step.
+    Only the kinds of the landmarks are used.
     """
     particles = anywhere(n, rng)
     clouds = [particles]
@@ -198,15 +175,7 @@ def find_itself(
 
 @dataclass(frozen=True)
 class Belief:
-    """Estimate of a pose.
-
-    Parameters
-    ----------
-    pose : ndarray, shape (3,)
-        Mean.
-    covariance : ndarray, shape (3, 3)
-        m^2, rad^2.
-    """
+    """Estimate of a pose: mean (3,) and covariance (3, 3), in m and rad."""
 
     pose: FloatArray
     covariance: FloatArray
@@ -224,16 +193,8 @@ class Belief:
 class FastSlam:
     """FastSLAM 1.0 (Montemerlo et al. 2002): each particle is a path with its own map; association is known.
 
-    Parameters
-    ----------
-    start : Pose
-        First pose, which is known.
-    update_particle_landmark, resample : callable
-        The student's functions.
-    n : int
-        Number of particles.
-    rng : numpy.random.Generator
-        Random numbers of motion and resampling.
+    The first pose is known. `update_particle_landmark` and `resample` are the student's; `n` is the number of
+    particles.
     """
 
     def __init__(
@@ -314,18 +275,10 @@ class FastSlam:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Errors of an algorithm on a drive.
+    """Errors of an algorithm on a drive of S steps: of the position, in m, and the NEES of the pose, each (S,).
 
-    Parameters
-    ----------
-    errors : ndarray, shape (S,)
-        Error of the position after each step, m.
-    nees : ndarray, shape (S,)
-        NEES of the pose after each step.
-    ancestors, effective : ndarray, shape (S,)
-        Number of initial particles with descendants, and effective number of particles. Only for FastSLAM.
-    paths : ndarray, shape (n, S + 1, 3)
-        Paths of the particles at the end. Only for FastSLAM.
+    FastSLAM adds the number of initial particles with descendants and the effective number of particles, each (S,), and
+    the paths of its n particles at the end (n, S + 1, 3).
     """
 
     errors: FloatArray

@@ -27,23 +27,9 @@ ROOM = 0.15  # m: a turn is offered if so much room is ahead after it
 class Option:
     """A possible move, with the landmarks of the map that should be in view after it.
 
-    Parameters
-    ----------
-    control : ndarray, shape (2,)
-        (distance, turn), m and rad.
-    control_covariance : ndarray, shape (3, 3)
-        Of the errors along and across the robot, and of the turn.
-    indices : list of int
-        Landmarks of the map that should be in view after the move.
-    measurements : ndarray, shape (2 n,)
-        Expected bearing and range of each of these landmarks.
-    measurement_covariance : ndarray, shape (n, 2, 2)
-        Covariance R of each measurement.
-
-    Raises
-    ------
-    ValueError
-        If a value has the wrong shape.
+    The control (2,) is (distance, turn), m and rad, with the covariance (3, 3) of the errors along and across the robot
+    and of the turn. The n landmarks in view have expected measurements (2 n,), bearing and range, and covariances R
+    (n, 2, 2).
     """
 
     control: FloatArray
@@ -92,16 +78,8 @@ def _option(there: FloatArray, distance: float, turn: float, landmarks: FloatArr
 class Journey:
     """A drive with moves that were chosen on the way.
 
-    Parameters
-    ----------
-    truth : ndarray, shape (S, 3)
-        True poses, field frame.
-    estimates : tuple of Estimate
-        Estimate after each step.
-    seen : tuple of tuple of int
-        Landmarks that were measured in each step.
-    known : tuple of int
-        Landmarks on the map at the end, in its order.
+    `truth` (S, 3) has the true poses in the field frame, `estimates` and `seen` an entry for each step, and `known` the
+    landmarks on the map at the end, in its order.
     """
 
     truth: FloatArray
@@ -135,23 +113,9 @@ def journey(
 ) -> Journey:
     """Drive over the half field, with a chosen move in each step.
 
-    Parameters
-    ----------
-    choose : callable
-        ``choose(state, covariance, options) -> int``, the index of an option.
-    ekf : sequence of callable
-        A student's predict, update_landmarks and add_landmark of lesson 07.
-    seed : int
-        Of the start and of all errors.
-    moves : int
-        Number of moves.
-    back : bool
-        Whether the robot starts with its back to the goal, without landmarks in view.
-
-    Raises
-    ------
-    ValueError
-        If ``choose`` returns anything but the index of an option.
+    ``choose(state, covariance, options)`` returns the index of an option, and `ekf` is a student's predict,
+    update_landmarks and add_landmark of lesson 07. With `back`, the robot starts with its back to the goal, without
+    landmarks in view.
     """
     rng = np.random.default_rng([seed, 124])
     x, y, turn = rng.uniform((0.3, -1.0, -0.3), (0.7, 1.0, 0.3)).tolist()

@@ -29,13 +29,7 @@ SEED = 121  # of the measurements' noise
 
 
 class Explorer:
-    """The part of the half field that a robot has seen, and the choice of its next move.
-
-    Parameters
-    ----------
-    student : StudentCode
-        With find_frontiers, travel_steps and choose_move.
-    """
+    """The part of the half field that a robot has seen, and the choice of its next move."""
 
     def __init__(self, student: StudentCode) -> None:
         """Start with an unknown grid; cells where the robot may not drive count as occupied."""

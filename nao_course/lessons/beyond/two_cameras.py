@@ -24,21 +24,9 @@ OFF_AXIS = float((NAO_V4.cameras["bottom"].pitch - NAO_V4.cameras["top"].pitch) 
 
 
 def ray(view: CameraView, pixel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the origin and the direction of a pixel's ray.
+    """Return the origin (3,) in m and the unit direction (3,) of the ray of a pixel (2,), in the robot frame.
 
-    Parameters
-    ----------
-    view : CameraView
-        View of the camera.
-    pixel : ndarray, shape (2,)
-        (u, v), distorted by the lens.
-
-    Returns
-    -------
-    origin : ndarray, shape (3,)
-        Position of the camera, m, robot frame.
-    direction : ndarray, shape (3,)
-        Unit vector, robot frame.
+    The pixel (u, v) is distorted by the lens.
     """
     across, down = ((view.undistort(as_points([pixel])) - view.centre) / view.focal)[0]
     direction = view.rotation @ np.array([1.0, -across, -down])
@@ -53,15 +41,9 @@ def pitch_for(distance: float) -> float:
 
 @dataclass(frozen=True)
 class Distances:
-    """Repeated measurements of the distance of one point.
+    """Repeated measurements (n,) of one point's distance (m), from the bottom camera and the floor, and from both.
 
-    Parameters
-    ----------
-    one, both : ndarray, shape (n,)
-        From the bottom camera and the floor, and from both cameras, m; infinite if a ray does not reach the floor,
-        NaN if a camera does not see the point.
-    truth : float
-        True distance, m.
+    They are infinite if a ray does not reach the floor, and NaN if a camera does not see the point.
     """
 
     one: FloatArray

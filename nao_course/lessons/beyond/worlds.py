@@ -31,23 +31,7 @@ def drive(
 ) -> Iterator[Step]:
     """Drive and measure after each move; each command is requested only when it is needed.
 
-    Parameters
-    ----------
-    start : Pose
-        True start, field frame.
-    choose : callable
-        ``choose() -> Motion`` returns the next command.
-    moves : int
-        Number of moves; there is one more step, at the start.
-    rng : numpy.random.Generator
-        Random numbers of all errors.
-    view : FieldOfView
-        Area in which landmarks are seen.
-
-    Yields
-    ------
-    Step
-        First the step at the start.
+    The true start is in the field frame, and the first step is at the start, before a move.
     """
     pose = start.as_array()
     for number in range(moves + 1):

@@ -27,13 +27,7 @@ class TiltEstimate:
 
 
 def as_tilt(answer: Any) -> TiltEstimate:
-    """Return a student's answer as a tilt.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not three numbers that make sense; the message is for the student.
-    """
+    """Return a student's answer as a tilt; refuse, with a message, anything but three numbers that make sense."""
     if answer is None:
         raise TypeError(
             "Your entry returns None, but should return pitch, roll and sigma. Is a return missing?"

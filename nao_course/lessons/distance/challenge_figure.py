@@ -74,18 +74,7 @@ def _off_right_angles(ground: FloatArray) -> float:
 
 @course_style()
 def draw_worst_tilts(run: Run) -> Drawing:
-    """Draw the pictures with the largest errors: segments, and the field lines under the answer's tilt.
-
-    Parameters
-    ----------
-    run : Run
-        All cases of the challenge.
-
-    Returns
-    -------
-    Drawing
-        The figure; its text names them.
-    """
+    """Draw the pictures with the largest errors: segments, and the field lines under the answer's tilt."""
     worst = sorted((each for each in run.results if each.kept), key=lambda each: -each.score)[:SHOWN]
     figure = Figure(figsize=(9.9, 3.4))
     for number, each in enumerate(worst, start=1):

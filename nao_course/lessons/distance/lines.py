@@ -24,16 +24,8 @@ _FIELD = Field(2012, half=False)
 class LinePicture:
     """The segments of a picture, with its assumed and its true view.
 
-    Parameters
-    ----------
-    segments : ndarray, shape (N, 4)
-        (u1, v1, u2, v2), px, the lens removed.
-    view : CameraView
-        Assumed view, without the lens term.
-    true_view : CameraView
-        True view, without the lens term.
-    pose : Pose
-        The robot's, in the world.
+    The segments (N, 4) are (u1, v1, u2, v2) in px, the lens removed; both views are without the lens term, and the pose
+    is the robot's in the world.
     """
 
     segments: FloatArray

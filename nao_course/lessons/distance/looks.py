@@ -120,25 +120,10 @@ def tilted_measurements(
     tilts: npt.ArrayLike,
     pixel_errors: npt.ArrayLike = 0.0,
 ) -> FloatArray:
-    """Measure points with a camera that has an unknown tilt in each picture.
+    """Return (bearing, range) (M, k, 2), rad and m, of points in M pictures, each with an unknown tilt of the camera.
 
-    Parameters
-    ----------
-    pixel_to_ground, ground_to_measurement : callable
-        The student's.
-    view : CameraView
-        Assumed view.
-    points : array_like, shape (k, 2)
-        On the ground, robot frame, metres.
-    tilts : array_like, shape (M,)
-        Angles in rad by which the camera looks lower than assumed in each of M pictures.
-    pixel_errors : array_like
-        Added to the pixels; what can be broadcast to (M, k, 2).
-
-    Returns
-    -------
-    ndarray, shape (M, k, 2)
-        (bearing, range): rad, m.
+    The points (k, 2) are on the ground, in the robot frame, in metres. The tilts (M,) are angles in rad by which the
+    camera looks lower than assumed, and the errors of the pixels can be broadcast to (M, k, 2).
     """
     places, angles = as_points(points), np.asarray(tilts, dtype=float)
     pixels = np.array([replace(view, pitch=view.pitch + tilt).project(places) for tilt in angles])
@@ -152,10 +137,7 @@ def measure_pixels(
 ) -> FloatArray:
     """Measure pixels (N, 2) with the student's functions: (N, 2) of bearing and range, rad and m.
 
-    Raises
-    ------
-    ValueError
-        With the function's name, if it answers in another shape, or with nothing but NaN.
+    Raise a ValueError with the function's name if its answer has another shape or nothing but NaN.
     """
     ground = rows_of_two("pixel_to_ground", pixel_to_ground(as_points(pixels), view), len(as_points(pixels)))
     return rows_of_two("ground_to_measurement", ground_to_measurement(ground), len(ground))
@@ -164,10 +146,7 @@ def measure_pixels(
 def rows_of_two(name: str, answer: Any, number: int) -> FloatArray:
     """Return a student's answer as an array (number, 2).
 
-    Raises
-    ------
-    ValueError
-        With the function's name, if it has another shape, or nothing but NaN.
+    Raise a ValueError with the function's name if it has another shape or nothing but NaN.
     """
     if answer is None:
         raise ValueError(f"{name} gave None: a return may be missing")
@@ -189,19 +168,9 @@ def ahead(distances: npt.ArrayLike, view: CameraView) -> FloatArray:
 
 
 def points_covariance(measurements: npt.ArrayLike, covariance: npt.ArrayLike) -> FloatArray:
-    """Turn the covariance of measurements into one of each point (x, y), to first order.
+    """Return the first-order covariances (k, 2, 2), in m^2, of points (x, y) in the robot frame.
 
-    Parameters
-    ----------
-    measurements : array_like, shape (k, 2)
-        (bearing, range).
-    covariance : array_like, shape (2k, 2k)
-        Of bearing, range, bearing, range, ...
-
-    Returns
-    -------
-    ndarray, shape (k, 2, 2)
-        In m^2, robot frame.
+    The measurements (k, 2) have a covariance (2k, 2k) in the order bearing, range, bearing, range, ...
     """
     polar, full = as_points(measurements), np.asarray(covariance, dtype=float)
     if full.shape != (2 * len(polar), 2 * len(polar)):

@@ -103,16 +103,9 @@ def _plot_points(
 
 
 def polar_outlines(measurements: FloatArray, covariance: FloatArray, probability: float = 0.95) -> FloatArray:
-    """Return outlines (k, corners, 2) in the robot frame, in m, of ellipses in (bearing, range).
+    """Return outlines (k, corners, 2), robot frame, m, of the ellipses of measurements (k, 2), (bearing, range).
 
-    Parameters
-    ----------
-    measurements : ndarray, shape (k, 2)
-        (bearing, range).
-    covariance : ndarray, shape (2k, 2k)
-        Of bearing, range, bearing, range, ...; of each landmark its own block is drawn.
-    probability : float
-        Part inside.
+    The covariance (2k, 2k) is in the order bearing, range, bearing, range, ...; each landmark's own block is drawn.
     """
     k = len(measurements)
     blocks = np.array([covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] for i in range(k)]).reshape(-1, 2, 2)

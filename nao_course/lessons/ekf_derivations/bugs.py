@@ -34,11 +34,6 @@ class Predictions:
     """The covariance that the student's functions predict, right or with one of `BUGS`.
 
     The bugs are built from the student's own functions: Gᵀ is G at -theta, and noise that is not rotated is G at 0.
-
-    Parameters
-    ----------
-    motion_jacobians, predict_covariance : callable
-        The student's functions.
     """
 
     def __init__(self, motion_jacobians: Function, predict_covariance: Function) -> None:

@@ -38,10 +38,7 @@ WRONG = (  # drawn at random from the catalogue
 class Asked:
     """A wrong Jacobian that returns one entry for each call: ``ask(row, column, pose, landmark)``.
 
-    Parameters
-    ----------
-    most_calls : int
-        How many calls it answers.
+    It answers at most `most_calls` calls.
     """
 
     most_calls: int = MOST_CALLS
@@ -67,25 +64,10 @@ class Asked:
         return self
 
     def __call__(self, row: int, column: int, pose: npt.ArrayLike, landmark: npt.ArrayLike) -> float:
-        """Return one entry of the wrong Jacobian.
+        """Return an entry of the wrong Jacobian: rows are bearing and range; columns are x, y, theta, l_x and l_y.
 
-        Parameters
-        ----------
-        row : int
-            0 for the bearing, 1 for the range.
-        column : int
-            0 to 4: by x, y, theta, l_x or l_y.
-        pose : array_like, shape (3,)
-            x, y (m) and theta (rad).
-        landmark : array_like, shape (2,)
-            l_x and l_y (m).
-
-        Raises
-        ------
-        ValueError
-            If row or column is out of range, a shape is wrong, or robot and landmark are at the same position.
-        RuntimeError
-            If all calls are used up.
+        The pose (3,) is x, y (m) and theta (rad), the landmark (2,) is in m. Raise a ValueError for wrong arguments or
+        a robot at the landmark, and a RuntimeError if all calls are used up.
         """
         if row not in range(len(ROWS)) or column not in range(len(COLUMNS)):
             raise ValueError(f"ask got row {row} and column {column}; rows are 0 and 1, columns 0 to 4")
@@ -120,10 +102,7 @@ class WrongJacobian:
 def judge(answer: Any, case: WrongJacobian) -> CaseScore:
     """Return the score of a name: points if it is right, minus one for each call.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If the answer is not a name of the catalogue. The message is shown to the student.
+    Raise a TypeError or ValueError with a message for the student if the answer is not a name of the catalogue.
     """
     if answer is None:
         raise TypeError(
@@ -145,18 +124,7 @@ def judge(answer: Any, case: WrongJacobian) -> CaseScore:
 
 @course_style()
 def draw_calls(run: Run) -> Drawing:
-    """Draw the number of calls for each Jacobian.
-
-    Parameters
-    ----------
-    run : Run
-        The results for all Jacobians of the challenge.
-
-    Returns
-    -------
-    Drawing
-        A bar for each Jacobian with an answer; its text lists them.
-    """
+    """Draw the number of calls for each Jacobian that has an answer."""
     named = [each for each in run.results if each.kept]
     said = []
     figure = Figure(figsize=(9.6, 0.42 * max(len(named), 1) + 1.3))

@@ -131,20 +131,7 @@ def draw_bending(predict_pose: Function, predict_covariance: Function) -> Drawin
 
 @course_style()
 def draw_correlation(points: FloatArray, correlation: float) -> Drawing:
-    """Draw the errors of two landmarks that were measured from the same pose, against each other.
-
-    Parameters
-    ----------
-    points : ndarray, shape (N, 2)
-        Errors of both landmarks along y (m).
-    correlation : float
-        The correlation that the Jacobians predict.
-
-    Returns
-    -------
-    Drawing
-        The figure; its text has both correlations.
-    """
+    """Draw the errors (N, 2) of two landmarks, measured from the same pose, against each other, along y in m."""
     measured = float(np.asarray(np.corrcoef(points.T))[0, 1])
     figure = Figure(figsize=(5.2, 4.4))
     ax = figure.subplots()
@@ -169,19 +156,8 @@ def draw_curves(
 ) -> Drawing:
     """Draw the errors of a linearisation against the heading's standard deviation.
 
-    Parameters
-    ----------
-    sigmas : array_like, shape (S,)
-        Radians.
-    measured : mapping of str to ndarray, shape (S, 3)
-        By title: the low end, the mean and the high end of the measured values.
-    predicted : mapping of str to ndarray, shape (S,)
-        By title: the values of a formula, drawn as lines.
-
-    Returns
-    -------
-    Drawing
-        One axis for each title; its text has the values at 5, 15, 30 and 45 degrees.
+    By title, `measured` has (S, 3), the low end, the mean and the high end, and `predicted` (S,), the values of a
+    formula. The standard deviations (S,) are in radians.
     """
     degrees = np.degrees(np.asarray(sigmas, dtype=float))
     said = []

@@ -35,15 +35,7 @@ _UNFINISHED = {
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """Estimated poses along the lap, and their covariances if there are any.
-
-    Parameters
-    ----------
-    poses : ndarray, shape (M, 3)
-        One for the start and one after each command.
-    covariances : ndarray, shape (M, 3, 3), or None
-        Covariances of these poses.
-    """
+    """Estimated poses (M, 3) at the start and after each command, and their covariances (M, 3, 3), if there are any."""
 
     poses: FloatArray
     covariances: FloatArray | None
@@ -65,12 +57,7 @@ def estimates(
 ) -> Estimates:
     """Estimate the pose after each command with the student's functions.
 
-    Parameters
-    ----------
-    predict_pose, predict_covariance : callable or None
-        Without the first the estimate stays at the start; without the second it has no covariance.
-    steps : int
-        How many commands of the lap to follow.
+    Without `predict_pose` the estimate stays at the start; without `predict_covariance` it has no covariance.
     """
     pose, covariance = np.zeros(3), np.zeros((3, 3))
     poses, covariances = [pose], [covariance]

@@ -88,13 +88,7 @@ MISTAKES: Mapping[str, Change] = MappingProxyType(
 
 
 def with_mistake(name: str, pose: npt.ArrayLike, landmark: npt.ArrayLike) -> FloatArray:
-    """Return the Jacobian (2, 5) of a measurement with one mistake of the catalogue.
-
-    Raises
-    ------
-    KeyError
-        If the catalogue has no such mistake.
-    """
+    """Return the Jacobian (2, 5) of a measurement with one mistake of the catalogue."""
     matrix = jacobian_at(pose, landmark)
     away = np.asarray(landmark, dtype=float) - np.asarray(pose, dtype=float)[:2]
     return MISTAKES[name](matrix, float(np.hypot(*away)))

@@ -20,14 +20,8 @@ SAMPLES = 500
 class Cloud:
     """Samples after a function, and the Gaussian that a linearisation predicts for them.
 
-    Parameters
-    ----------
-    points : ndarray, shape (N, 2)
-        Two numbers for each sample: a position in metres, or bearing (rad) and range (m).
-    mean : ndarray, shape (2,)
-        The function's value at the mean of the input.
-    covariance : ndarray, shape (2, 2)
-        The covariance that the Jacobians predict.
+    Each point (N, 2) is a position in metres, or bearing (rad) and range (m). `mean` (2,) is the function's value at
+    the input's mean, and `covariance` (2, 2) is what the Jacobians predict.
     """
 
     points: FloatArray
@@ -86,25 +80,10 @@ def motion_cloud(
     rng: np.random.Generator,
     number: int = SAMPLES,
 ) -> Cloud:
-    """Move robots whose poses are drawn from a Gaussian.
+    """Return the positions (x, y), in metres, of robots that move from poses drawn from a Gaussian.
 
-    Parameters
-    ----------
-    predict_pose, predict_covariance : callable
-        The student's.
-    pose, control : array_like, shapes (3,) and (2,)
-        The estimated pose (m, rad) and the command (m, rad).
-    covariance, control_covariance : array_like, shape (3, 3)
-        Covariances of the pose, and of the motion errors (along, across, turn) in the robot frame.
-    rng : numpy.random.Generator
-        Source of poses and errors.
-    number : int
-        Number of robots.
-
-    Returns
-    -------
-    Cloud
-        Their positions (x, y) in metres.
+    Pose (3,) and control (2,) are in m and rad; the covariances (3, 3) are of the pose, and of the motion errors
+    (along, across, turn) in the robot frame.
     """
     pose, control = np.array(pose, dtype=float), np.array(control, dtype=float)
     poses = draw(pose, covariance, number, rng)
@@ -123,13 +102,7 @@ def landmark_cloud(
     rng: np.random.Generator,
     number: int = SAMPLES,
 ) -> Cloud:
-    """Compute a landmark's position from uncertain poses around (0, 0, 0) and a noisy (bearing, range).
-
-    Returns
-    -------
-    Cloud
-        Positions (x, y) of the landmark in metres.
-    """
+    """Return a landmark's positions (x, y), in m, for uncertain poses at (0, 0, 0) and a noisy (bearing, range)."""
     pose, measurement = np.zeros(3), np.array(measurement, dtype=float)
     poses = draw(pose, covariance, number, rng)
     measured = draw(measurement, measurement_covariance, number, rng)
@@ -149,10 +122,7 @@ def measurement_cloud(
 ) -> Cloud:
     """Compute the expected measurement of a landmark (2,) from uncertain poses around (0, 0, 0).
 
-    Returns
-    -------
-    Cloud
-        Bearing (rad) and range (m); each bearing is within half a turn of the mean's.
+    Bearings (rad) are within half a turn of the mean's; ranges are in m.
     """
     pose, landmark = np.zeros(3), np.array(landmark, dtype=float)
     mean = np.asarray(expected_measurement(pose, landmark), dtype=float)

@@ -27,17 +27,7 @@ ROBOT, LANDMARK = "#0b5fa5", "#2e8540"  # as in the film
 
 @dataclass(frozen=True, eq=False)
 class Ablation:
-    """Run of a log with one standard deviation changed.
-
-    Parameters
-    ----------
-    name : str
-        Field of `Sigmas`; "" if none is changed.
-    factor : float
-        Factor by which it was multiplied.
-    run : LogRun
-        Estimates.
-    """
+    """Run of a log with one standard deviation, a field of `Sigmas` or "" for none, multiplied by a factor."""
 
     name: str
     factor: float

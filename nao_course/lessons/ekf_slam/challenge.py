@@ -37,14 +37,9 @@ Record = tuple[FloatArray, FloatArray, list[int], FloatArray, FloatArray]
 class TwoLaps:
     """Two laps, in the frame of the robot's first pose.
 
-    Parameters
-    ----------
-    log : list of (control, control_covariance, numbers, measurements, measurement_covariance)
-        Of each step; in the first the robot stands still.
-    path : ndarray, shape (M + 1, 3)
-        True poses.
-    odometry, odometry_covariance : ndarray, shapes (3,) and (3, 3)
-        Estimated at the end from the controls alone.
+    `log` has for each step control, control covariance, numbers, measurements and their covariance; in the first step
+    the robot stands still. `path` (M + 1, 3) has the true poses; `odometry` (3,) and its covariance (3, 3) are
+    estimated at the end from the controls alone.
     """
 
     log: list[Record]

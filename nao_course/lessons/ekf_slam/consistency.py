@@ -43,23 +43,9 @@ NOISY = Sigmas(0.02, 0.01, float(np.radians(3.0)), float(np.radians(5.0)), 0.02)
 
 
 def field_drive(seed: int, sigmas: Sigmas = NOMINAL, laps: int = LAPS, view: FieldOfView = VIEW) -> Drive:
-    """Drive circles on the half field and measure landmarks after each step.
+    """Drive circles of 25 steps on the half field and measure the landmarks in view after each step.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of all errors.
-    sigmas : Sigmas
-        Standard deviations of the errors.
-    laps : int
-        Number of circles, 25 steps each.
-    view : FieldOfView
-        The landmarks in it are measured.
-
-    Returns
-    -------
-    Drive
-        In the frame of the start, where no landmark is measured. The same seed gives the same drive.
+    The drive is in the frame of the start, where no landmark is measured. The same seed gives the same drive.
     """
     rng = np.random.default_rng(seed)
     landmarks = START.to_local(Field(2012).detectable_positions)
@@ -74,16 +60,9 @@ def field_drive(seed: int, sigmas: Sigmas = NOMINAL, laps: int = LAPS, view: Fie
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """Pose estimates of a filter along a drive of M steps.
+    """Pose errors (M, 3) of a filter along a drive, with wrapped headings, and their covariances (M, 3, 3).
 
-    Parameters
-    ----------
-    errors : ndarray, shape (M, 3)
-        Estimated minus true pose, the heading wrapped.
-    covariances : ndarray, shape (M, 3, 3)
-        Estimated.
-    nis : ndarray, shape (K,)
-        Normalised innovation squared per degree of freedom of each update; empty unless requested.
+    `nis` (K,) is the normalised innovation squared per degree of freedom of each update; it is empty unless requested.
     """
 
     errors: FloatArray
@@ -99,24 +78,8 @@ class Trace:
 def follow(drive: Drive, functions: Functions, with_nis: bool = False) -> Trace:
     """Run a filter along a drive: predict, update with the landmarks on the map, then add the others.
 
-    Parameters
-    ----------
-    drive : Drive
-        Its measurements come with the landmarks' numbers.
-    functions : (predict, update_landmarks, add_landmark)
-        The student's functions, or others with the same arguments.
-    with_nis : bool
-        Whether to compute the NIS, too, which doubles the time.
-
-    Returns
-    -------
-    Trace
-        From the first step on.
-
-    Raises
-    ------
-    ValueError
-        If a function returns something of another shape.
+    `functions` are predict, update_landmarks and add_landmark. The drive's measurements come with the landmarks'
+    numbers; `with_nis` doubles the time. Raise a ValueError if a function returns something of another shape.
     """
     slam = NamedEkf(Pose(), *checked_functions(functions))
     errors, covariances, nis = [], [], []

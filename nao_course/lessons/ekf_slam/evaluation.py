@@ -136,18 +136,7 @@ def draw_nis(init_landmarks: Function, predict: Function, update: Function) -> D
 
 
 def traces_by_gain(film: Film) -> tuple[FloatArray, FloatArray]:
-    """Return the variances after the first update of a film for gains from zero to twice the Kalman gain.
-
-    Parameters
-    ----------
-    film : Film
-        Film of the lesson's own log.
-
-    Returns
-    -------
-    (ndarray (41,), ndarray (41,))
-        Sums of the variances (m^2) of the robot's position and of the landmarks, for gains from 0 to 2 K.
-    """
+    """Return summed variances (m^2) of position and landmarks after one update, for 41 gains from 0 to 2 K."""
     state, P = film.run.predicted_states[0], film.run.predicted_covariances[0]
     log, R = own_log(), OWN_SIGMAS.measurement_covariance
     joint, measured = np.kron(np.eye(log.k), R), log.measurements[1]
@@ -238,19 +227,9 @@ def personal_distances(
     update: Function,
     evaluate_landmarks: Function,
 ) -> tuple[FloatArray, FloatArray]:
-    """Run a student's filter on the drives of a personal robot.
+    """Return the errors of a student's filter on a personal robot's drives: Euclidean (m) and Mahalanobis, each (5, 6).
 
-    Parameters
-    ----------
-    world : PersonalWorld
-        Of the student.
-    init_landmarks, predict, update, evaluate_landmarks : callable
-        The student's functions.
-
-    Returns
-    -------
-    euclidean, mahalanobis : ndarray, shape (5, 6)
-        Distances of the estimated landmarks from the true ones at the end of each drive, m and standard deviations.
+    They are the distances of the estimated landmarks from the true ones at the end of each drive.
     """
     sigmas, first = personal_sigmas(world), world.seed("07: drives")
     found = []

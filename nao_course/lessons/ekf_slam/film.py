@@ -58,12 +58,7 @@ HEADING = 0.05  # length of the heading line as a part of the map's width
 class Film:
     """Frames of a run: 0 is the start, 2 n - 1 the prediction and 2 n the update of step n.
 
-    Parameters
-    ----------
-    run : LogRun
-        Estimates.
-    truth : ndarray, shape (k, 2)
-        True landmarks, m.
+    The true landmarks (k, 2) are in m.
     """
 
     run: LogRun
@@ -194,17 +189,7 @@ def say_frame(film: Film, frame: int) -> str:
 def draw_frames(film: Film, frames: Sequence[int] | None = None) -> Drawing:
     """Draw some half steps of a film, each with its correlations below.
 
-    Parameters
-    ----------
-    film : Film
-        The film to show.
-    frames : sequence of int, optional
-        Their numbers; by default the start, the first update, the middle and the end.
-
-    Returns
-    -------
-    Drawing
-        A column for each half step.
+    By default they are the start, the first update, the middle and the end.
     """
     chosen = (0, 2, film.last // 4 * 2, film.last) if frames is None else frames
     figure = Figure(figsize=(11.0, 6.3))

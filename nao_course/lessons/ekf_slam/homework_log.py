@@ -35,16 +35,9 @@ OWN_SIGMAS = Sigmas(along=0.03, across=0.02, turn=0.04, bearing=0.026, range=0.0
 class LogRun:
     """Estimates along a log of M steps with k landmarks; n = 3 + 2k.
 
-    Parameters
-    ----------
-    predicted_states, predicted_covariances : ndarray, shapes (M, n) and (M, n, n)
-        After each control, before the measurements.
-    states, covariances : ndarray, shapes (M + 1, n) and (M + 1, n, n)
-        At the start, and after each step.
-    innovations, innovation_covariances : ndarray, shapes (M, 2k) and (M, 2k, 2k)
-        Measured minus expected, and its covariance S; also of steps without an update.
-    updated : ndarray of bool, shape (M,)
-        Whether the step's measurements were used.
+    States (M + 1, n) and covariances (M + 1, n, n) are at the start and after each step, predicted ones (M, n) and
+    (M, n, n) after each control. Innovations (M, 2k), measured minus expected, and their S (M, 2k, 2k) also exist for
+    steps without an update; `updated` (M,) marks the steps whose measurements were used.
     """
 
     predicted_states: FloatArray
@@ -82,19 +75,8 @@ class LogRun:
 def homework_start(log: HomeworkLog, init_landmarks: Function, sigmas: Sigmas | None = None) -> Belief:
     """Initialise as in the homework: without a covariance between pose and landmarks.
 
-    Parameters
-    ----------
-    log : HomeworkLog
-        Its first measurements initialise the landmarks.
-    init_landmarks : callable
-        The student's functions.
-    sigmas : Sigmas, optional
-        By default the homework's.
-
-    Returns
-    -------
-    (ndarray (3 + 2k,), ndarray (3 + 2k, 3 + 2k))
-        State and covariance.
+    Return state (3 + 2k,) and covariance (3 + 2k, 3 + 2k) after the log's first measurements; `sigmas` are the
+    homework's by default.
     """
     noise = (sigmas or Sigmas()).measurement_covariance
     k, landmarks, own = init_landmarks(
@@ -113,19 +95,8 @@ def homework_start(log: HomeworkLog, init_landmarks: Function, sigmas: Sigmas | 
 def textbook_start(log: HomeworkLog, add_landmark: Function, sigmas: Sigmas | None = None) -> Belief:
     """Initialise with a function that propagates the uncertainty of the pose to each landmark.
 
-    Parameters
-    ----------
-    log : HomeworkLog
-        Its first measurements initialise the landmarks.
-    add_landmark : callable
-        The student's functions.
-    sigmas : Sigmas, optional
-        By default the homework's.
-
-    Returns
-    -------
-    (ndarray (3 + 2k,), ndarray (3 + 2k, 3 + 2k))
-        State and covariance.
+    Return state (3 + 2k,) and covariance (3 + 2k, 3 + 2k) after the log's first measurements; `sigmas` are the
+    homework's by default.
     """
     noise = (sigmas or Sigmas()).measurement_covariance
     state, covariance = np.zeros(3), START_COVARIANCE.copy()
@@ -148,28 +119,9 @@ def run_log(
 ) -> LogRun:
     """Run a student's filter along a log and keep its estimates.
 
-    Parameters
-    ----------
-    log : HomeworkLog
-        Controls and measurements.
-    start : (ndarray (n,), ndarray (n, n))
-        State and covariance after the first measurements.
-    predict, update : callable
-        The student's functions.
-    sigmas : Sigmas, optional
-        Assumed by the filter; by default the homework's.
-    every : int
-        The filter updates in every `every`-th step only.
-
-    Returns
-    -------
-    LogRun
-        Innovations and their covariances are computed here, from the estimates before each update.
-
-    Raises
-    ------
-    ValueError
-        If a function returns something of another shape.
+    `start` is state (n,) and covariance (n, n) after the first measurements, and the filter updates only in every
+    `every`-th step. Innovations and S are computed here, from the estimates before each update. Raise a ValueError if a
+    function returns something of another shape.
     """
     sigmas = sigmas or Sigmas()
     Q, R, k = sigmas.control_covariance, sigmas.measurement_covariance, log.k
@@ -206,23 +158,10 @@ def innovation_and_covariance(
     measurements: FloatArray,
     measurement_covariance: FloatArray,
 ) -> Belief:
-    """Return the innovation of some measurements and its covariance.
+    """Return the innovation (2n,) of n measurements, bearings wrapped, and its covariance S (2n, 2n).
 
-    Parameters
-    ----------
-    state, covariance : ndarray, shapes (3 + 2k,) and (3 + 2k, 3 + 2k)
-        Estimated before these measurements.
-    indices : array_like of int, shape (n,)
-        Numbers of the measured landmarks.
-    measurements : ndarray, shape (2n,)
-        (bearing, range) of each, rad and m.
-    measurement_covariance : ndarray, shape (2, 2)
-        Of each, rad^2 and m^2.
-
-    Returns
-    -------
-    (ndarray (2n,), ndarray (2n, 2n))
-        Measured minus expected, bearings wrapped; and its covariance S. Jacobians are central differences.
+    State (3 + 2k,) and covariance (3 + 2k, 3 + 2k) are from before the measurements (2n,), which are (bearing, range)
+    in rad and m with a covariance (2, 2), in rad^2 and m^2, for each. The Jacobians are central differences.
     """
     numbers = np.atleast_1d(np.asarray(indices, dtype=int))
     n = len(numbers)
@@ -244,16 +183,9 @@ def innovation_and_covariance(
 
 @dataclass(frozen=True, eq=False)
 class LandmarkErrors:
-    """Errors of k landmarks.
+    """Errors (k,) of landmarks: `euclidean` in metres, `printed` in m^2, and `mahalanobis` in standard deviations.
 
-    Parameters
-    ----------
-    euclidean : ndarray, shape (k,)
-        Metres.
-    printed : ndarray, shape (k,)
-        sqrt(d' P d), which the report calls the Mahalanobis distance; m^2.
-    mahalanobis : ndarray, shape (k,)
-        sqrt(d' inv(P) d): standard deviations.
+    `mahalanobis` is sqrt(d' inv(P) d); `printed` is sqrt(d' P d), which the report calls the Mahalanobis distance.
     """
 
     euclidean: FloatArray
@@ -266,17 +198,7 @@ def landmark_errors(
 ) -> LandmarkErrors:
     """Compare landmarks with the truth, by the distances of the report's Table 1 and by the Mahalanobis distance.
 
-    Parameters
-    ----------
-    landmarks, covariances : ndarray, shapes (k, 2) and (k, 2, 2)
-        Estimated, m and m^2.
-    truth : array_like, shape (k, 2)
-        By default the homework's.
-
-    Returns
-    -------
-    LandmarkErrors
-        Three distances of each landmark.
+    Landmarks (k, 2) and covariances (k, 2, 2) are in m and m^2.
     """
     off = np.asarray(landmarks) - np.asarray(truth, dtype=float)
     return LandmarkErrors(
@@ -293,14 +215,7 @@ def landmark_errors(
 class Recording:
     """A log with the true path and landmarks, in the frame of the robot's first pose.
 
-    Parameters
-    ----------
-    log : HomeworkLog
-        Six landmarks, a pentagon.
-    path : ndarray, shape (M + 1, 3)
-        True poses, m and rad.
-    landmarks : ndarray, shape (6, 2)
-        True, m.
+    The path (M + 1, 3) is in m and rad; the six landmarks (6, 2) form a pentagon, in m.
     """
 
     log: HomeworkLog
@@ -311,17 +226,7 @@ class Recording:
 def record_pentagon(seed: int = OWN_SEED, sigmas: Sigmas = OWN_SIGMAS) -> Recording:
     """Drive a pentagon on the half field and measure six landmarks from every pose, as in the homework.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of all errors.
-    sigmas : Sigmas
-        Standard deviations of the errors.
-
-    Returns
-    -------
-    Recording
-        The same seed gives the same recording.
+    The same seed gives the same recording.
     """
     rng = np.random.default_rng(seed)
     marks = Field(2012).landmarks

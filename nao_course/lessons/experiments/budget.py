@@ -31,14 +31,7 @@ _AXES = ("x", "y", "heading")
 class LandmarkScene:
     """A scene: a robot's pose, its view, and the landmarks in it.
 
-    Parameters
-    ----------
-    pose : ndarray, shape (3,)
-        The robot's, x, y in m and theta in rad, field frame.
-    landmarks : ndarray, shape (k, 2)
-        Corners and posts in view, m, field frame.
-    view : CameraView
-        Of its camera.
+    The pose (3,) is in m and rad, the landmarks (k, 2) are corners and posts in m, both in the field frame.
     """
 
     pose: FloatArray
@@ -88,21 +81,10 @@ def pixel_errors(find: Callable[[Any], Any], scenes: tuple[CornerScene, ...]) ->
 def sampled_poses(
     scene: LandmarkScene, pixel_sigma: float, tilt_sigma: float, weights: FloatArray
 ) -> FloatArray:
-    """Simulate many noisy pictures of a scene and estimate the pose from each by least squares.
+    """Return errors (SAMPLES, 3) of least-squares poses from noisy pictures: x, y (m), theta (rad), field frame.
 
-    Parameters
-    ----------
-    scene : LandmarkScene
-        Pose, landmarks and view.
-    pixel_sigma, tilt_sigma : float
-        Standard deviations of each pixel, px, and of each picture's pitch, rad.
-    weights : ndarray, shape (2k, 2k)
-        Inverse of the covariance that the robot assumes for (bearing, range, ...), the same in all pictures.
-
-    Returns
-    -------
-    ndarray, shape (SAMPLES, 3)
-        Errors of x, y (m) and theta (rad), in the field frame.
+    `pixel_sigma` is the standard deviation of each pixel in px, `tilt_sigma` of each picture's pitch in rad. The
+    weights (2k, 2k) are the inverse of the covariance that the robot assumes for (bearing, range, ...) in all pictures.
     """
     from scipy.optimize import least_squares  # takes long to import
 
@@ -216,10 +198,7 @@ def tilt_left(
 ) -> dict[str, FloatArray]:
     """Measure the pose error due to a tilt, for weights that include the tilt fully, partly or not at all.
 
-    Returns
-    -------
-    dict of str to ndarray, shape (3,)
-        Standard deviations of x, y (m) and theta (rad), from sampled pictures whose pixels are exact.
+    Return standard deviations (3,) of x, y (m) and theta (rad), from sampled pictures whose pixels are exact.
     """
     scene = usual_scene()
     pixels = in_pixels(scene)

@@ -28,15 +28,7 @@ LARGEST = 1000.0  # of an interval's end
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """The pictures of one room.
-
-    Parameters
-    ----------
-    name : str
-        Such as "dark 2".
-    scenes : tuple of CornerScene
-        The pictures with their corners.
-    """
+    """The pictures of one room, such as "dark 2", with their corners."""
 
     name: str
     scenes: tuple[CornerScene, ...]
@@ -69,10 +61,7 @@ def name_of(seed: tuple[str, int]) -> str:
 def as_claim(answer: Any, pictures: int) -> Claim:
     """Return an answer as a claim.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If it is something else; the message is for the student.
+    Raise a TypeError or ValueError with a message for the student if it is something else.
     """
     if answer is None:
         raise TypeError("Your entry returns None: does it end with return found, low, high?")
@@ -96,9 +85,7 @@ def as_claim(answer: Any, pictures: int) -> Claim:
 def interval_score(low: float, high: float, value: float) -> float:
     """Return the interval score of an 80 % interval: its width plus ten times the distance of the value outside it.
 
-    References
-    ----------
-    T. Gneiting, A. E. Raftery, *Strictly proper scoring rules, prediction, and estimation*, Journal of the American
+    See T. Gneiting, A. E. Raftery, *Strictly proper scoring rules, prediction, and estimation*, Journal of the American
     Statistical Association 102, 2007, section 6.2.
     """
     return high - low + OUTSIDE * (max(low - value, 0.0) + max(value - high, 0.0))

@@ -23,19 +23,9 @@ BEST: Setting = (120, 7, 50)  # of the solution's detector, in the lesson's pict
 
 @lru_cache(maxsize=2)
 def personal_scenes(world: PersonalWorld, pictures: int = PICTURES) -> tuple[CornerScene, ...]:
-    """Render the pictures of a student's personal room, each with its L and T corners.
+    """Render up to 30 pictures (240, 320, 3) of a student's personal room, each with its L and T corners (K, 2), px.
 
-    Parameters
-    ----------
-    world : PersonalWorld
-        Of the student. Its name determines the room and the places.
-    pictures : int
-        Number of pictures, at most 30.
-
-    Returns
-    -------
-    tuple of (ndarray (240, 320, 3), ndarray (K, 2))
-        Pictures and their corners, px.
+    The world's name determines the room and the places.
     """
     room = Reality.lab(seed=world.seed("10: room"))
     scenes = (standard_scene("tune", number, reality=room) for number in range(pictures))

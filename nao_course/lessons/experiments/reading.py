@@ -141,11 +141,8 @@ def agreement(
 ) -> dict[str, tuple[float, float, float]]:
     """Return rank correlations of a student's table: with other tables, and of two halves of its own scenes.
 
-    Returns
-    -------
-    dict of str to tuple of float
-        By the name of the other table, and `HALVES`: the correlation (for halves the median) and the two ends of the
-        interval that contains 95 % of it when the student's scenes are resampled or halved again.
+    By the name of the other table, and by `HALVES`, return the correlation (for halves the median) and the two ends of
+    the interval that contains 95 % of it when the student's scenes are resampled or halved again.
     """
     from scipy.stats import rankdata  # takes long to import
 

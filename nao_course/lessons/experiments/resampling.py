@@ -20,12 +20,8 @@ DRAWS = 4000
 def as_table(answer: Any) -> dict[Setting, FloatArray]:
     """Return a student's table as costs (S,) of floats by setting, the best mean first.
 
-    If an earlier cell could not make the table, its message is shown again.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is something else; the message is for the student.
+    If an earlier cell could not make the table, its message is shown again. Anything else raises a TypeError or
+    ValueError with a message for the student.
     """
     answer = made(answer)
     if not isinstance(answer, Mapping) or not answer:
@@ -56,14 +52,8 @@ def shares_won(table: CostTable, draws: int = DRAWS) -> dict[Setting, float]:
 class Optimism:
     """Mean costs of a setting that was chosen on one half of the scenes, over many random halves.
 
-    Parameters
-    ----------
-    promised : ndarray, shape (M,)
-        On the half on which it was the best.
-    kept : ndarray, shape (M,)
-        On the other half.
-    any_setting : float
-        The mean of all settings.
+    `promised` (M,) is on the half on which it was the best, `kept` (M,) on the other, and `any_setting` is the mean of
+    all settings.
     """
 
     promised: npt.NDArray[np.float64]

@@ -28,16 +28,9 @@ Candidate = tuple[int, int, float]
 class Choices:
     """A graph on one axis, and candidates for one more measurement.
 
-    Parameters
-    ----------
-    omega : ndarray, shape (N, N)
-        Information matrix, 1/m^2: poses first, then landmarks. The start has a standard deviation of 1 cm.
-    xi : ndarray, shape (N,)
-        Right-hand side, 1/m.
-    candidates : list of (int, int, float)
-        Pose, landmark and variance epsilon, in m^2, of each possible measurement.
-    covariance : ndarray, shape (N, N)
-        The inverse of omega, m^2.
+    Omega (N, N) in 1/m^2 has poses first, then landmarks; xi (N,) is in 1/m, and the covariance (N, N) in m^2 is
+    omega's inverse. The start has a standard deviation of 1 cm. Each candidate is (pose, landmark, variance epsilon in
+    m^2).
     """
 
     omega: FloatArray

@@ -32,22 +32,10 @@ _SPLU, _SPSOLVE = scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve
 
 @register_driver
 def solution_or_unheld(function: Callable[..., Any], omega: Any, xi: Any) -> tuple[str, Any]:
-    """Call a solver.
+    """Call a solver with omega (N, N) and xi (N,), and return the kind of its outcome and the outcome.
 
-    Parameters
-    ----------
-    function : callable
-        ``function(omega, xi)`` returns x, or raises a ValueError that names the variables that nothing holds.
-    omega : ndarray or sparse matrix, shape (N, N)
-        Information matrix.
-    xi : ndarray, shape (N,)
-        Right-hand side.
-
-    Returns
-    -------
-    (str, object)
-        "returned" and the returned value, "raised" and the message of a ValueError, or "poor order" and None if the
-        factor of a large system would fill up.
+    It is "returned" and the returned value, "raised" and the message of a ValueError, which names the variables that
+    nothing holds, or "poor order" and None if the factor of a large system would fill up.
     """
     answer: tuple[str, Any] = ("poor order", None)
     with watched_orders() as found:

@@ -124,13 +124,7 @@ def _plot_graph(drive: LinearDrive, used: Sequence[Constraint], positions: Float
 
 
 class GraphMap:
-    """The same map for a graph that grows; everything that never changes is drawn once, to save time.
-
-    Parameters
-    ----------
-    drive : LinearDrive
-        Its truth is shown.
-    """
+    """The same map for a graph that grows; everything that never changes is drawn once, to save time."""
 
     @course_style()
     def __init__(self, drive: LinearDrive) -> None:

@@ -124,24 +124,10 @@ def unlike_drive(seed: int) -> LinearDrive:
 
 
 def expected_error(drive: LinearDrive, builders: Builders, power: float) -> float:
-    """Return the expected root mean square error of the map.
+    """Return the expected root mean square error of the map, in metres, if each weight is ``1 / sigma ** power``.
 
-    The map is linear in the measurements, so its covariance follows from theirs. With the weights w it is
-    inv(omega) @ M @ inv(omega), where M is built like omega with w * w * sigma**2 in place of each w.
-
-    Parameters
-    ----------
-    drive : LinearDrive
-        Drive whose constraints have their true variances; the start has no error.
-    builders : Builders
-        The student's functions.
-    power : float
-        Each measurement has the weight ``1 / sigma ** power``.
-
-    Returns
-    -------
-    float
-        Error of the landmarks in metres.
+    The map is linear in the measurements, so its covariance follows from theirs. With the weights w it is inv(omega) @
+    M @ inv(omega), where M is built like omega with w * w * sigma**2 in place of each w. The start has no error.
     """
     used = [replace(each, epsilon=each.epsilon ** (power / 2)) for each in drive.constraints]
     errors = [

@@ -58,21 +58,10 @@ def sign_keys() -> list[Patch]:
 
 
 def fill_in(pattern: npt.ArrayLike, order: Sequence[int]) -> Bools:
-    """Return the pattern of the factor after eliminating variables in a given order.
+    """Return the pattern of the factor, a lower triangle (N, N), after eliminating variables in the given order.
 
-    The neighbours of an eliminated variable are connected with each other afterwards.
-
-    Parameters
-    ----------
-    pattern : array_like of bool, shape (N, N)
-        Which entries of a symmetric matrix are not zero.
-    order : sequence of int
-        The order in which the variables are eliminated.
-
-    Returns
-    -------
-    ndarray of bool, shape (N, N)
-        The lower triangle of the factor, in that order.
+    The neighbours of an eliminated variable are connected with each other afterwards. `pattern` (N, N) shows which
+    entries of a symmetric matrix are not zero.
     """
     left = np.asarray(pattern, dtype=bool)[np.ix_(order, order)].copy()
     for step in range(len(left)):

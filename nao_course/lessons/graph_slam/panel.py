@@ -32,12 +32,7 @@ NEAR = 16.0  # px: an edge that is farther from the click is not selected
 def clicked(ends: FloatArray, at: tuple[int, int]) -> int | None:
     """Return the number of the edge nearest to a pixel, or None if all are farther than `NEAR`.
 
-    Parameters
-    ----------
-    ends : ndarray, shape (E, 2, 2)
-        Both ends of each edge, as pixels (u, v).
-    at : (int, int)
-        The pixel.
+    The ends (E, 2, 2) of the edges are pixels (u, v).
     """
     along = ends[:, 1] - ends[:, 0]
     from_end = np.asarray(at) - ends[:, 0]

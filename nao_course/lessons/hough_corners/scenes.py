@@ -116,15 +116,7 @@ def match_pictures(find: Callable[[Any], Any], pictures: Sequence[CornerPicture]
 
 @dataclass(frozen=True, eq=False)
 class GoalLinePicture:
-    """A picture of the goal line straight ahead.
-
-    Parameters
-    ----------
-    pixels : ndarray of uint8, shape (H, W, 3)
-        RGB.
-    rows : slice
-        The rows that the line covers in the middle columns.
-    """
+    """An RGB picture (H, W, 3) of the goal line straight ahead, and the rows of the line in the middle columns."""
 
     pixels: Pixels
     rows: slice
@@ -144,12 +136,7 @@ def goal_line_view() -> CameraView:
 def goal_line_at(distances: npt.ArrayLike, reality: Reality | None = None) -> list[GoalLinePicture]:
     """Take pictures of the goal line with only carpet behind it.
 
-    Parameters
-    ----------
-    distances : array_like, shape (N,)
-        From the point below the camera to the line's far edge, metres.
-    reality : Reality, optional
-        The effects of a real camera; none by default.
+    The distances (N,) are from the point below the camera to the line's far edge, in metres.
     """
     view, width = goal_line_view(), _WHOLE.dimensions.line_width
     edge = _WHOLE.dimensions.length / 2 + width / 2

@@ -44,10 +44,7 @@ def f1(called: npt.NDArray[np.bool_], there: npt.NDArray[np.bool_]) -> float:
 def as_labels(answer: Any, shape: tuple[int, ...]) -> npt.NDArray[np.int64]:
     """Return a student's answer as labels with the shape of a picture.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If it is something else; the message is for the student.
+    Raise a TypeError or ValueError with a message for the student if it is something else.
     """
     if answer is None:
         raise TypeError("Your entry returns None. Does it end with return labels?")

@@ -21,18 +21,7 @@ SCORED, WHITE_LOST = STYLES["ekf"].colour, "#c9ced6"
 
 @course_style()
 def draw_lost_points(run: Run) -> Drawing:
-    """Draw the score of each scene, the points lost to white and yellow, and the wrong pixels of the worst scene.
-
-    Parameters
-    ----------
-    run : Run
-        All scenes of the challenge.
-
-    Returns
-    -------
-    Drawing
-        The figure; its text names the worst scenes.
-    """
+    """Draw the score of each scene, the points lost to white and yellow, and the wrong pixels of the worst scene."""
     shown = min((each for each in run.results if each.kept), key=lambda each: each.score, default=None)
     figure = Figure(figsize=(9.9, 6.6 if shown else 3.6))
     grid = figure.add_gridspec(2 if shown else 1, 3, height_ratios=[1.0, 1.15] if shown else None)

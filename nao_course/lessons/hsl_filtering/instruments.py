@@ -29,15 +29,7 @@ _BAR_COLOURS = np.round(_BAR_COLOURS).astype(np.uint8)
 
 
 def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> Pixels:
-    """Paint a histogram of lightness, (HEIGHT, WIDTH, 3).
-
-    Parameters
-    ----------
-    counts : ndarray of int, shape (4, BINS)
-        Pixels by label and lightness, as `lightness_counts` gives them.
-    marks : mapping of str to float
-        Lightnesses to mark, named as in `MARKS`.
-    """
+    """Paint a histogram (HEIGHT, WIDTH, 3) of the `lightness_counts` (4, BINS), with marks named as in `MARKS`."""
     picture = _histogram_paper().copy()
     stacked = np.cumsum(counts[list(_STACKED)], axis=0)
     # The brightest bin may be far higher: it is cut off
@@ -59,15 +51,7 @@ def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> P
 
 
 def hue_counts(hue: npt.NDArray[np.float32], counted: npt.NDArray[np.bool_]) -> npt.NDArray[np.float32]:
-    """Count pixels by hue, (360 / WEDGE,).
-
-    Parameters
-    ----------
-    hue : ndarray of float32, shape (H, W)
-        Hues in degrees [0, 360).
-    counted : ndarray of bool, shape (H, W)
-        True for the pixels to count.
-    """
+    """Count the chosen pixels (H, W) by hue in degrees [0, 360): an array (360 / WEDGE,)."""
     counts = cv2.calcHist([hue], [0], counted.astype(np.uint8), [360 // WEDGE], [0.0, 360.0])
     return np.asarray(counts, dtype=np.float32).ravel()
 
@@ -78,18 +62,10 @@ def circle_picture(
     pixel: float | None = None,
     added: Iterable[float] = (),
 ) -> Pixels:
-    """Paint the frequencies of hues and intervals of hues on a circle, (HEIGHT, WIDTH, 3).
+    """Paint `hue_counts` (360 / WEDGE,) and intervals of hues on a circle, (HEIGHT, WIDTH, 3).
 
-    Parameters
-    ----------
-    counts : ndarray, shape (360 / WEDGE,)
-        Pixels by hue, as `hue_counts` gives them.
-    arcs : mapping of str to (low, high)
-        Limits in degrees by colour, such as "#f2c413"; low > high goes through 0.
-    pixel : float, optional
-        Hue of the chosen pixel.
-    added : iterable of float
-        Hues that were added to an example.
+    `arcs` maps colours such as "#f2c413" to limits in degrees, of which low > high goes through 0; `pixel` is the hue
+    of the chosen pixel, and `added` are the hues that were added to an example.
     """
     picture = _circle_paper().copy()
     lengths = INNER + (OUTER - INNER) * np.sqrt(counts / max(1, counts.max()))

@@ -56,14 +56,9 @@ def in_light(picture: npt.ArrayLike, factor: float) -> Pixels:
 
 
 def lightness_counts(lightness: npt.ArrayLike, labels: npt.ArrayLike) -> npt.NDArray[np.intp]:
-    """Count pixels by label and lightness, shape (4, BINS).
+    """Count pixels by label and lightness, shape (4, BINS), from lightness (H, W), 0 to 255, and labels (H, W).
 
-    Parameters
-    ----------
-    lightness : array_like, shape (H, W)
-        0 to 255.
-    labels : array_like of int, shape (H, W)
-        0 other, 1 green, 2 yellow, 3 white.
+    The labels are 0 other, 1 green, 2 yellow and 3 white.
     """
     bins = np.clip(np.asarray(lightness) * (BINS / 256), 0, BINS - 1).astype(np.intp)
     flat = np.asarray(labels).astype(np.intp).ravel() * BINS + bins.ravel()

@@ -21,14 +21,9 @@ ERROR_COLOURS = ("#ffffff", "#e69f00", "#3a8fd0", "#2b2b31")
 
 @dataclass(frozen=True)
 class PrecisionRecall:
-    """Precision and recall of the labels of one colour.
+    """Precision and recall of the labels of one colour, as fractions of pixels.
 
-    Parameters
-    ----------
-    precision : float
-        Fraction of the pixels with this label that are right; NaN if no pixel has this label.
-    recall : float
-        Fraction of the pixels with this true label that are found; NaN if there are none.
+    Precision is NaN if no pixel has the label, recall if no pixel should have it.
     """
 
     precision: float

@@ -40,16 +40,9 @@ _SLIDERS: Any = (  # name, label, (limits and step, options), tooltip
 class FilterSettings:
     """Values of the sliders, rounded to their steps as in a browser.
 
-    Parameters
-    ----------
-    green, yellow : (float, float)
-        Limits of the hue in whole degrees; the first is larger if the interval goes through 0.
-    beta : float
-        Lower bound of the threshold in equation 1.4, a whole number from 0 to 255.
-    min_saturation : float
-        Minimum saturation of green and yellow, 0 to 1 in hundredths.
-    light : float
-        Factor of the light, 0.3 to 1.6 in hundredths.
+    Hue limits are whole degrees, of which the first is larger if the interval goes through 0. `beta`, the lower bound
+    of the threshold in equation 1.4, is a whole number from 0 to 255; `min_saturation` is 0 to 1, and `light`, a
+    factor, 0.3 to 1.6, both in hundredths.
     """
 
     green: Limits

@@ -40,12 +40,8 @@ BUDGET = 3  # measurements for each robot
 class LandmarkSensor:
     """Measure landmarks by their number, three times at most: ``sensor.measure(number)``.
 
-    Parameters
-    ----------
-    _measurements : ndarray, shape (L, N, 2)
-        (bearing, range) of each of N landmarks for the first, second and third measurement: rad, m.
-    _covariances : ndarray, shape (L, N, 2, 2)
-        Of their noise: rad^2, m^2.
+    Measurements (L, N, 2) are (bearing, range) of N landmarks for the first, second and third measurement, in rad and
+    m; covariances (L, N, 2, 2) are of their noise, in rad^2 and m^2.
     """
 
     _measurements: FloatArray
@@ -58,10 +54,7 @@ class LandmarkSensor:
     def measure(self, number: Any) -> tuple[FloatArray, FloatArray]:
         """Return a measurement (2,) of landmark `number` and its R (2, 2).
 
-        Raises
-        ------
-        ValueError
-            If there is no such landmark, or no measurement is left.
+        Raise a ValueError if there is no such landmark, or no measurement is left.
         """
         many = self._measurements.shape[1]
         if (
@@ -82,14 +75,8 @@ class LandmarkSensor:
 class LostRobot:
     """Hold a robot whose estimate is wrong.
 
-    Parameters
-    ----------
-    pose, covariance : ndarray, shape (3,) and (3, 3)
-        The estimate; it is consistent. m, rad, field frame.
-    truth : ndarray, shape (3,)
-        The true pose.
-    sensor : LandmarkSensor
-        Its measurements.
+    The estimate, a pose (3,) and its covariance (3, 3), is consistent; it and the true pose (3,) are in m and rad, in
+    the field frame.
     """
 
     pose: FloatArray

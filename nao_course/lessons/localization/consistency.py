@@ -20,22 +20,10 @@ OUTSIDE = "#b3261e"
 
 
 def median_band(degrees: int, runs: npt.ArrayLike, probability: float = 0.95) -> FloatArray:
-    """Return the limits between which the median of `runs` chi-square values lies with this probability.
+    """Return the limits (2, N) between which the median of `runs` (N,) chi-square values lies with this probability.
 
-    Parameters
-    ----------
-    degrees : int
-        Degrees of freedom of each value.
-    runs : array_like of int, shape (N,)
-        Number of independent values.
-    probability : float
-        Probability of the interval; the remainder is split equally between both sides.
-
-    Returns
-    -------
-    ndarray, shape (2, N)
-        Lower and upper limits. The cumulative probability of the median of n values follows a beta distribution,
-        whatever distribution the values have.
+    The remaining probability is split equally between both sides. The cumulative probability of the median of n values
+    follows a beta distribution, whatever distribution the values have.
     """
     from scipy.stats import beta, chi2  # take long to import
 

@@ -30,16 +30,9 @@ _SHIFTS = _STEP * np.vstack([np.eye(3), -np.eye(3)])
 
 @dataclass(frozen=True, eq=False)
 class LandmarkMeasurement:
-    """Hold the measurement of one known landmark.
+    """Hold the measured (bearing, range), rad and m, of a landmark at a known position (2,) in m, field frame.
 
-    Parameters
-    ----------
-    position : ndarray, shape (2,)
-        Of the landmark, m, field frame.
-    measurement : ndarray, shape (2,)
-        (bearing, range) in rad and m.
-    covariance : ndarray, shape (2, 2)
-        Of the measurement's noise, rad^2 and m^2.
+    The covariance (2, 2) of its noise is in rad^2 and m^2.
     """
 
     position: FloatArray
@@ -71,21 +64,8 @@ def make_drive(
 ) -> Drive:
     """Drive over the half field and measure every landmark in view after each command.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Draws all errors.
-    commands : sequence of Motion
-        By default a lap and a bit.
-    odometry, sensor : OdometryNoise, SensorNoise
-        By default the robot's own; with zeros the drive is exact.
-    start : Pose
-        Where the robot truly starts.
-
-    Returns
-    -------
-    Drive
-        In the field's frame; nothing is measured at the start.
+    The default commands are a lap and a bit. With zeros as noise the drive is exact; nothing is measured at the start,
+    and the frame is the field's.
     """
     odometry, sensor = odometry or OdometryNoise(), sensor or SensorNoise()
     local = repeat_drive(list(commands), 1, rng, odometry)[0]
@@ -101,18 +81,8 @@ def make_drive(
 class Trace:
     """Record what a filter estimated along a drive.
 
-    Parameters
-    ----------
-    truth, poses : ndarray, shape (M + 1, 3)
-        True and estimated poses.
-    covariances : ndarray, shape (M + 1, 3, 3)
-        Of the estimated poses.
-    innovations : ndarray, shape (K, 2)
-        Measured minus expected before each update: rad, m.
-    innovation_covariances : ndarray, shape (K, 2, 2)
-        S of each innovation.
-    steps : ndarray of int, shape (K,)
-        The number of the command after which each measurement was taken.
+    Poses are (M + 1, 3) with covariances (M + 1, 3, 3). Each of K innovations (K, 2), measured minus expected before
+    the update in rad and m, has its S (K, 2, 2) and the number of the command after which it was measured.
     """
 
     truth: FloatArray
@@ -148,21 +118,8 @@ def follow(
 ) -> Trace:
     """Run a filter along a drive.
 
-    Parameters
-    ----------
-    drive : Drive
-        The commands, and the measurements after each.
-    localize, predict_pose, predict_covariance : callable
-        The student's functions.
-    covariance : array_like, shape (3, 3)
-        Of the estimate at the start.
-    error : array_like, shape (3,)
-        Estimated minus true pose at the start.
-
-    Returns
-    -------
-    Trace
-        Innovations and their covariances are computed here, from the filter's estimate before each update.
+    The estimate starts with this covariance (3, 3) and error (3,), estimated minus true pose. Innovations and S are
+    computed here, from the filter's estimate before each update.
     """
     pose, cov = drive.poses[0] + np.asarray(error, dtype=float), np.array(covariance, dtype=float)
     poses, covariances = [pose], [cov]

@@ -51,18 +51,7 @@ class PoseEstimate:
 
 
 def measure_one_picture(localize: Callable[..., Any]) -> tuple[list[LandmarkMeasurement], list[PoseEstimate]]:
-    """Update the wrong estimate with the landmarks of one picture.
-
-    Parameters
-    ----------
-    localize : callable
-        The student's; called for each landmark in the picture.
-
-    Returns
-    -------
-    list of LandmarkMeasurement, list of PoseEstimate
-        K landmarks, and K + 1 estimates: before the picture, and after each landmark.
-    """
+    """Update the wrong estimate with K landmarks of one picture; return them and the K + 1 estimates around them."""
     rng = np.random.default_rng(SEED)
     measured = [measure_landmark(TRUE, number, SensorNoise(), rng) for number in IN_PICTURE]
     estimates = [PoseEstimate(START.as_array(), START_COVARIANCE)]

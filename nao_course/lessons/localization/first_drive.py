@@ -52,15 +52,8 @@ class BearingRecord(NamedTuple):
 class GivenFilter:
     """A localisation filter whose parts can be replaced by the student's.
 
-    Parameters
-    ----------
-    innovation, kalman_update : callable, optional
-        The student's functions; by default the filter's own ones.
-
-    Attributes
-    ----------
-    records : list of BearingRecord
-        One for each measurement so far.
+    By default it uses its own `innovation` and `kalman_update`; `records` has a `BearingRecord` for each measurement so
+    far.
     """
 
     def __init__(self, innovation: Function | None = None, kalman_update: Function | None = None) -> None:
@@ -125,17 +118,8 @@ def run_first_drive(
 ) -> tuple[Trace, list[BearingRecord]]:
     """Run the given filter along the first drive.
 
-    Parameters
-    ----------
-    innovation, kalman_update : callable, optional
-        The student's functions, used in place of the filter's own ones.
-    localize : callable, optional
-        The student's, used in place of the whole filter; then there are no records.
-
-    Returns
-    -------
-    Trace, list of BearingRecord
-        The estimates, and the bearings of each measurement as the filter computed them.
+    `innovation` and `kalman_update` replace parts of it, `localize` all of it, and then there are no records of the
+    bearings as the filter computed them.
     """
     drive, error = lap(FIRST)
     given = GivenFilter(innovation, kalman_update)

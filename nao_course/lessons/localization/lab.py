@@ -22,18 +22,9 @@ Localize = Callable[..., Any]
 class Bug:
     """Describe one fault of a filter and apply it.
 
-    Parameters
-    ----------
-    name : str
-        Of the fault.
-    shows : str
-        What the plots show, for a student who has named it.
-    in_update : callable
-        ``in_update(localize)`` returns the faulty `localize`.
-    in_measurements : callable
-        ``in_measurements(measurements)`` returns the faulty measurements, (n, 2).
-    noise : float
-        Factor of the control's covariance.
+    ``in_update(localize)`` returns a faulty `localize`, ``in_measurements(measurements)`` faulty measurements (n, 2),
+    and `noise` is a factor of the control's covariance. `shows` says what the plots show, for a student who has named
+    the fault.
     """
 
     name: str
@@ -191,19 +182,7 @@ def patient(
 ) -> list[Trace]:
     """Run a filter with a bug along the lab's drives.
 
-    Parameters
-    ----------
-    bug : Bug
-        The fault.
-    functions : mapping of str to callable
-        The student's `localize`, `predict_pose` and `predict_covariance`.
-    drives : int
-        Number of drives.
-
-    Returns
-    -------
-    list of Trace
-        One for each drive; innovations and S are computed with the correct R.
+    There is a trace for each drive; innovations and S are computed with the correct R.
     """
     localize = functions["localize"]
     faulty = bug.in_update(localize)
@@ -232,16 +211,9 @@ def patient(
 class Readings:
     """Summarise the traces of a patient over all its drives.
 
-    Parameters
-    ----------
-    bearing, range : float
-        Median innovation in standard deviations of S; 0 is expected.
-    nis_early, nis_late : float
-        Median NIS of the first and the last third of the drive, divided by the expected median.
-    nis_peak : float
-        Median NIS of the step with the largest one, divided by the expected median.
-    nees_early, nees_late : float
-        Median NEES of the first and the last third, divided by the expected median.
+    `bearing` and `range` are median innovations in standard deviations of S, so 0 is expected. The others are median
+    NIS and NEES of the first and the last third of the drive, and of the step with the largest NIS, divided by the
+    expected median.
     """
 
     bearing: float

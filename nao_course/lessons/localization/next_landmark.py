@@ -41,21 +41,10 @@ NEAREST = 0.2  # m: nearer landmarks are not measured
 def remaining_after(
     localize: Callable[..., Any], landmark: FloatArray, use_range: bool = True
 ) -> tuple[float, float]:
-    """Return the uncertainty that remains after one measurement of a landmark that is where it is expected.
+    """Return the standard deviations of position (m) and heading (rad) after one measurement of a landmark as expected.
 
-    Parameters
-    ----------
-    localize : callable
-        The student's function.
-    landmark : ndarray, shape (2,)
-        m, field frame.
-    use_range : bool
-        Whether the range is measured, or the bearing alone.
-
-    Returns
-    -------
-    (float, float)
-        Standard deviations of the position (m; root of the sum of both variances) and of the heading (rad).
+    The landmark (2,) is in m, field frame. The position's is the root of the sum of both variances. Without
+    `use_range`, only the bearing is measured.
     """
     expected = range_and_bearing(ROBOT.as_array(), landmark)
     noise = SensorNoise().covariance(Measurement(float(expected[0]), float(expected[1])))

@@ -214,20 +214,7 @@ def _short(value: float) -> str:
 
 @course_style()
 def draw_readings(traces: list[Trace], name: str) -> Drawing:
-    """Draw the normalised innovations, NIS and NEES of a patient's drives at each step.
-
-    Parameters
-    ----------
-    traces : list of Trace
-        One for each drive.
-    name : str
-        The patient's letter.
-
-    Returns
-    -------
-    Drawing
-        Three plots; its text states the readings.
-    """
+    """Draw the normalised innovations, NIS and NEES of a patient's drives at each step."""
     steps = np.concatenate([trace.steps for trace in traces])
     scaled = np.concatenate(
         [

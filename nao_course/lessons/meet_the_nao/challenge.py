@@ -40,10 +40,7 @@ class Robot:
 def as_plan(answer: Any) -> list[Motion]:
     """Return a student's answer as a list of commands.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If the answer is not a list of at most 200 motions. The message is for the student.
+    Raise a TypeError or ValueError with a message for the student if it is not a list of at most 200 motions.
     """
     if answer is None:
         raise TypeError("Your plan is None. A plan is a list of Motion(distance, turn).")

@@ -35,16 +35,8 @@ _TITLES = ("Lost", "One picture", "After a walk and a turn", "Found")
 class Search:
     """A drive with observations, and the poses that agree with all of them.
 
-    Parameters
-    ----------
-    poses : tuple of Pose
-        True poses of the robot at each observation.
-    odometry : tuple of Pose
-        Poses by odometry from the true start.
-    observations : tuple of tuple of Measurement
-        Measurements at each pose.
-    possible : tuple of ndarray, shape (N, 3)
-        Possible poses before the first observation and after each one.
+    Poses, true and by odometry from the true start, and measurements have an entry for each observation. `possible` has
+    the possible poses (N, 3) before the first observation and after each.
     """
 
     poses: tuple[Pose, ...]
@@ -54,26 +46,10 @@ class Search:
 
 
 def search(field: Field, turn: float, rng: np.random.Generator, start: Pose = START) -> Search:
-    """Simulate a robot that observes, walks and turns twice, and return the poses that agree with its observations.
+    """Return the poses that agree with the observations of a robot that observes, walks and turns (rad) twice.
 
     Each possible robot starts anywhere, gets the same commands and makes its own errors. It is removed at the first
     observation that does not agree with its pose.
-
-    Parameters
-    ----------
-    field : Field
-        The map, which is known here.
-    turn : float
-        Angle by which the robot turns after each walk, in rad.
-    rng : numpy.random.Generator
-        Generator for the errors of the robot and of all possible robots.
-    start : Pose
-        True pose of the robot at the start.
-
-    Returns
-    -------
-    Search
-        Result with three observations.
     """
     nao = SimulatedNao(field, start, rng)
     truth = Truth(nao)
@@ -111,25 +87,9 @@ def _anywhere(field: Field, paths: FloatArray, rng: np.random.Generator) -> Floa
 def explains(
     poses: npt.ArrayLike, seen: Sequence[Measurement], field: Field, noise: SensorNoise, sigmas: float = 3.0
 ) -> npt.NDArray[np.bool_]:
-    """Return which poses agree with a landmark of the same kind for each measurement.
+    """Return which poses (N, 3) in the field frame agree with a landmark of the same kind for each measurement.
 
-    Parameters
-    ----------
-    poses : array_like, shape (N, 3)
-        In the field frame.
-    seen : sequence of Measurement
-        Measurements without landmark identities.
-    field : Field
-        Field with the landmarks.
-    noise : SensorNoise
-        Noise of bearing and range.
-    sigmas : float
-        Number of standard deviations by which both may differ.
-
-    Returns
-    -------
-    ndarray of bool, shape (N,)
-        All True if there are no measurements.
+    Bearing and range may both differ by `sigmas` standard deviations. Without measurements, all are True.
     """
     array = np.asarray(poses, dtype=float)
     fits = np.ones(len(array), dtype=bool)

@@ -14,15 +14,7 @@ WIDTH = 0.5  # m between the poles
 
 @dataclass(frozen=True)
 class Gate:
-    """Two poles to pass between.
-
-    Parameters
-    ----------
-    x, y : float
-        Centre of the gate in the field frame, in metres.
-    heading_deg : float
-        Heading of a robot that walks straight through, in degrees.
-    """
+    """Two poles around x, y, in m, field frame; a robot with the heading `heading_deg` walks straight between them."""
 
     x: float
     y: float
@@ -49,18 +41,7 @@ GATES = (
 
 
 def passed(path: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-    """Return which gates a path passes.
-
-    Parameters
-    ----------
-    path : array_like, shape (M + 1, 2)
-        Positions of the robot at the start and after each command, in metres. It walks straight between them.
-
-    Returns
-    -------
-    ndarray of bool, shape (G,)
-        True for each gate whose line between the poles is crossed by a step.
-    """
+    """Return which gates (G,) are crossed between their poles by a path (M + 1, 2) of straight steps, in metres."""
     points = np.asarray(path, dtype=float)
     start, step = points[:-1], np.diff(points, axis=0)
     return np.array([bool(_crosses(start, step, *gate.poles).any()) for gate in GATES])

@@ -22,18 +22,7 @@ POLE = "#b3261e"
 
 @course_style()
 def draw_slalom(run: Run) -> Drawing:
-    """Draw the robots' true paths through the gates, and the number of robots that passed each gate.
-
-    Parameters
-    ----------
-    run : Run
-        Run of the challenge with all robots.
-
-    Returns
-    -------
-    Drawing
-        The figure; its text gives the counts.
-    """
+    """Draw the robots' true paths through the gates, and the number of robots that passed each gate."""
     kept = [each.kept for each in run.results if each.kept]
     through = np.array([each[2] for each in kept]).reshape(-1, len(GATES))
     figure = Figure(figsize=(9.2, 7.0))

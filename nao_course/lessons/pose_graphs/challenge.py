@@ -38,12 +38,7 @@ FITS = 25.0  # e' Omega e up to which a closure counts as accepted
 class Aliased:
     """A drive through a building whose corridors look alike.
 
-    Parameters
-    ----------
-    world : World
-        Its edges are mixed; the first pose is the truth's.
-    false : ndarray of bool, shape (E,)
-        Which edges are false.
+    The edges are mixed, `false` (E,) marks the false ones, and the first pose is the truth's.
     """
 
     world: World

@@ -313,24 +313,10 @@ def drift_that_climbs(gauss_newton: GaussNewton) -> float:
 
 
 def intel_graph(file: Path | str | None = None) -> tuple[Graph, FloatArray]:
-    """Return the graph of 943 poses in the Intel Research Lab, and its states by odometry alone.
+    """Return the graph of 943 poses in the Intel Research Lab, and its states (2829,) by odometry alone.
 
-    Parameters
-    ----------
-    file : path, optional
-        The graph in g2o's format; by default the file in the recordings.
-
-    Returns
-    -------
-    graph : Graph
-    states : ndarray, shape (2829,)
-
-    Raises
-    ------
-    FileNotFoundError
-        If there are no recordings; the message says what to do.
-    ValueError
-        If the file is missing or contains no graph.
+    `file` is in g2o's format, by default from the recordings. A missing file raises a FileNotFoundError that says what
+    to do, and a file without a graph raises a ValueError.
     """
     graph, states = read_g2o(file or data_folder() / INTEL)
     follows = np.flatnonzero(graph.edges[:, 1] == graph.edges[:, 0] + 1)

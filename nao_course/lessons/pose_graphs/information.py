@@ -21,20 +21,7 @@ FRAMES = ("the frame of the pose that z predicts", "the first pose's frame")
 
 
 def missed_steps(pose_residual: Residual, seeds: Sequence[int] = SEEDS) -> tuple[FloatArray, FloatArray]:
-    """Return the residuals of all odometry steps of some buildings at the truth, and the measurements.
-
-    Parameters
-    ----------
-    pose_residual : callable
-        The student's.
-    seeds : sequence of int
-        The buildings.
-
-    Returns
-    -------
-    residuals, measured : ndarray, shape (S, 3)
-        m, m and rad.
-    """
+    """Return residuals at the truth and measurements, (S, 3) each, in m, m, rad, of the odometry in some buildings."""
     residuals, measured = [], []
     for seed in seeds:
         world = building(seed)

@@ -28,20 +28,9 @@ def factor_of(H: Any, ordering: str) -> Any:
 
 
 def block_picture(H: Any, poses: int, side: int = 500) -> npt.NDArray[np.uint8]:
-    """Paint which blocks of H are not zero, one cell for each pair of unknowns, with a frame.
+    """Paint which blocks of H are not zero, one cell for each pair of unknowns, with a frame: an RGB picture (S, S, 3).
 
-    Parameters
-    ----------
-    H : sparse matrix
-        From `linearize`, with three rows for each pose and two for each landmark.
-    poses : int
-        Number of poses among the unknowns.
-    side : int
-        Width, px, at least one for each unknown.
-
-    Returns
-    -------
-    ndarray of uint8, shape (S, S, 3)
+    H has three rows for each pose and two for each landmark; `side` is the width in px, at least one for each unknown.
     """
     entries = scipy.sparse.coo_array(H)
     rows, columns = (_unknown(each, poses) for each in (entries.row, entries.col))

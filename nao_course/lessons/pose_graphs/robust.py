@@ -71,15 +71,10 @@ def edge_weights(reweight: Reweight, graph: Graph, states: FloatArray, width: fl
 
 @dataclass(frozen=True, eq=False)
 class FalseClosures:
-    """Errors of maps, by the number of false loop closures.
+    """Root mean square errors (C, S) in m of the poses in S buildings, for C numbers of false loop closures.
 
-    Parameters
-    ----------
-    counts : tuple of int
-        C numbers of false closures.
-    odometry, plain, robust, late : ndarray, shape (C, S)
-        Root mean square error of the poses (m) of S buildings: by odometry, with equal weights, with the kernel, and
-        with the kernel started late, on the map with equal weights.
+    They are by odometry, with equal weights, with the kernel, and with the kernel started late, on the map with equal
+    weights.
     """
 
     counts: tuple[int, ...]
@@ -96,21 +91,7 @@ def errors_by_false_closures(
     seeds: Sequence[int] = SEEDS,
     poses: int = 300,
 ) -> FalseClosures:
-    """Map buildings with more and more false closures, with and without the kernel.
-
-    Parameters
-    ----------
-    gauss_newton, reweight : callable
-        The student's.
-    counts, seeds : sequence of int
-        Numbers of false closures, and seeds of the buildings.
-    poses : int
-        Poses of each drive, one every metre.
-
-    Returns
-    -------
-    FalseClosures
-    """
+    """Map buildings with more and more false closures, with and without the kernel. A drive has a pose every metre."""
     errors = np.array(
         [[_errors(gauss_newton, reweight, _world(seed, count, poses)) for seed in seeds] for count in counts]
     )

@@ -40,10 +40,7 @@ def association_problems(runs: int = RUNS) -> list[AssociationProblem]:
 def shares(associate: Associate, pictures: list[AssociationProblem]) -> list[tuple[int, int]]:
     """Count for each picture the right associations, and all of them.
 
-    Raises
-    ------
-    ValueError
-        If there is not one number for each measurement.
+    Raise a ValueError if there is not one number for each measurement.
     """
     found = []
     for each in pictures:
@@ -101,18 +98,8 @@ def draw_matching(associate: Associate, associate_jointly: Associate) -> Drawing
 class Outcome:
     """The result of a filter on a drive.
 
-    Parameters
-    ----------
-    drive : DrawnDrive
-        The drive.
-    estimate : Estimate
-        At its end.
-    path : ndarray, shape (S, 3)
-        Estimated at each step.
-    off : float
-        Distance of the last position from the true one, m.
-    nees : float
-        Of the last pose.
+    `estimate` and `nees` are at the end, `path` (S, 3) has the estimate at each step, and `off` is the distance of the
+    last position from the true one in m.
     """
 
     drive: DrawnDrive

@@ -24,15 +24,7 @@ FIRST_SEED = 11_000
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A drive, and odometry's estimate of its final pose.
-
-    Parameters
-    ----------
-    drive : DrawnDrive
-        With its log.
-    odometry, odometry_covariance : ndarray, shapes (3,) and (3, 3)
-        Pose and covariance in the field's frame.
-    """
+    """A drive, and odometry's estimate of its final pose (3,) with covariance (3, 3), in the field's frame."""
 
     drive: DrawnDrive
     odometry: FloatArray

@@ -15,23 +15,9 @@ HEAD_PITCH = float(np.radians(-31.0 + 6.4))  # of a real NAO's head (docs/real_d
 
 
 def taken_from(pose: Pose, yaw: float, brightness: float = 1.0, seed: int = 0) -> Picture:
-    """Render a picture of a clean half field, taken by an upright robot.
+    """Render the 320 x 240 picture of a clean half field by an upright robot's bottom camera; `yaw` is in rad.
 
-    Parameters
-    ----------
-    pose : Pose
-        The robot's, on the field.
-    yaw : float
-        Of its head, rad.
-    brightness : float
-        Factor for all pixel values.
-    seed : int
-        For the room and the sensor's noise.
-
-    Returns
-    -------
-    Picture
-        320 x 240, of the bottom camera.
+    `brightness` is a factor for all pixel values; `seed` is for the room and the sensor's noise.
     """
     view = NAO_V4.view("bottom", yaw, HEAD_PITCH, (320, 240))
     pixels, _ = render(Field(2012), pose, view, Reality.clean(seed), np.random.default_rng(seed))
@@ -48,20 +34,7 @@ def associate_nothing(
 
 @register_driver
 def on_taken_picture(function: Callable[..., Any], *place: Any) -> Any:
-    """Call ``function(picture, view)`` on a picture from `taken_from`.
-
-    Parameters
-    ----------
-    function : callable
-        The student's function of a uint8 array (H, W, 3) and a CameraView.
-    *place : object
-        Arguments of `taken_from`.
-
-    Returns
-    -------
-    object
-        The function's answer.
-    """
+    """Call the student's ``function(picture, view)`` on a uint8 picture (H, W, 3) from ``taken_from(*place)``."""
     picture = taken_from(*place)
     return function(picture.pixels, picture.view)
 

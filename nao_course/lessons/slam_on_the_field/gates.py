@@ -45,15 +45,7 @@ SAID = {
 
 @dataclass(frozen=True, eq=False)
 class Watched:
-    """The result of a filter on a drive, and what happened to its measurements.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        At the drive's end.
-    fates : mapping of str to int
-        The number of measurements with each of `FATES`.
-    """
+    """The result of a filter on a drive, and the number of measurements with each of `FATES`."""
 
     outcome: Outcome
     fates: Mapping[str, int]

@@ -33,16 +33,8 @@ START_SIGMA = 1e-4  # m and rad
 class Panel:
     """One version of the drive.
 
-    Parameters
-    ----------
-    title : str
-        Of the panel.
-    path : ndarray, shape (S, 3)
-        Estimated pose at each picture; empty where a method is still missing.
-    plot : callable
-        Draws what else there is into an Axes.
-    said : str
-        The result in words.
+    `path` (S, 3) has the estimated pose at each picture and is empty where a method is still missing. `plot` draws what
+    else there is into an Axes, and `said` is the result in words.
     """
 
     title: str

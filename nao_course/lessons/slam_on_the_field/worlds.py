@@ -38,16 +38,8 @@ Log = list[tuple[Motion | None, Observation]]
 class DrawnDrive:
     """A drive over the half field with randomly drawn measurements, in the field's frame.
 
-    Parameters
-    ----------
-    start : Pose
-        Known start of the robot.
-    log : list of (Motion or None, Observation)
-        Motion and measurements of each step.
-    poses : ndarray, shape (S, 3)
-        True pose at each step.
-    origins : tuple of tuple of int
-        For each step, the number in `LANDMARKS` of each measurement's landmark; -1 for a false corner.
+    The start is known; `log` has the motion and observation of each step, `poses` (S, 3) the true poses, and `origins`
+    the number in `LANDMARKS` of each measurement's landmark, -1 for a false corner.
     """
 
     start: Pose
@@ -67,22 +59,10 @@ def drawn_drive(
 ) -> DrawnDrive:
     """Draw a drive over the half field; the same seed gives the same drive.
 
-    Parameters
-    ----------
-    seed : int
-        For the path and all errors.
-    moves : int
-        Number of moves; there is one more stop.
-    yaws : sequence of float
-        Yaw of the head for each picture of a stop, rad.
-    false_rate : float
-        Mean number of false corners in a picture.
-    compass_sigma : float
-        Standard deviation of the heading that every second picture measures, rad; infinite for none.
-    tilt : (float, float)
-        Standard deviations of the unknown pitch and roll of a picture, rad.
-    circle_rate : float
-        Fraction of the compass's directions that are wrong by 15 to 40 degrees.
+    There is one more stop than moves. `yaws` (rad) are of the head, one picture each; `false_rate` is the mean number
+    of false corners in a picture; every second picture measures the heading with `compass_sigma` (rad, infinite for
+    none); `tilt` has the standard deviations (rad) of a picture's unknown pitch and roll; `circle_rate` is the fraction
+    of the compass's directions that are wrong by 15 to 40 degrees.
     """
     rng, driver = np.random.default_rng([seed, 111]), Driver(np.random.default_rng([seed, 112]))
     odometry, pose = OdometryNoisePerMove(), start_of(seed)
@@ -118,27 +98,8 @@ def draw_observation(
 ) -> tuple[Observation, tuple[int, ...]]:
     """Draw the measurements of one picture with a random body tilt and one pixel of error for each landmark.
 
-    Parameters
-    ----------
-    pose : Pose
-        In the field's frame.
-    yaw : float
-        Of the head, rad.
-    rng : numpy.random.Generator
-        For all errors.
-    false_rate : float
-        As in `drawn_drive`.
-    half_view : float
-        Half of the camera's horizontal field of view, rad.
-    tilt : (float, float)
-        As in `drawn_drive`.
-
-    Returns
-    -------
-    observation : Observation
-        In a random order.
-    origins : tuple of int
-        As in `DrawnDrive`.
+    The pose is in the field's frame; yaw and `half_view`, half of the camera's horizontal field of view, are in rad.
+    Measurements are in a random order, and `origins` is as in `DrawnDrive`.
     """
     exact = range_and_bearing(pose.as_array(), LANDMARKS)
     seen = (
@@ -172,16 +133,8 @@ def draw_observation(
 class AssociationProblem:
     """An estimate and one picture's measurements, whose landmarks have to be chosen.
 
-    Parameters
-    ----------
-    state, covariance : ndarray, shapes (3 + 2k,) and (3 + 2k, 3 + 2k)
-        Pose, then all landmarks of the half field.
-    observation : Observation
-        Measurements of the picture.
-    origins : tuple of int
-        The true landmark of each measurement.
-    pose : Pose
-        True pose.
+    State (3 + 2k,) and covariance (3 + 2k, 3 + 2k) have the pose, then all landmarks of the half field; `origins` are
+    the true landmarks of the measurements.
     """
 
     state: FloatArray
@@ -200,14 +153,8 @@ def association_problem(
 ) -> AssociationProblem:
     """Draw a true pose, an uncertain estimate of it, and the measurements of one picture.
 
-    Parameters
-    ----------
-    seed : int
-        For the pose and all errors.
-    position_sigma, heading_sigma : float
-        Standard deviations of the estimate, along each axis in m and in rad.
-    landmark_sigma : float
-        Standard deviation of each landmark on the map, m.
+    The standard deviations are `position_sigma` along each axis (m), `heading_sigma` (rad), and `landmark_sigma` of
+    each landmark on the map (m).
     """
     rng = np.random.default_rng([seed, 113])
     while True:
@@ -223,24 +170,10 @@ def association_problem(
 
 
 def observe(measure: Callable[..., Any], pixels: npt.NDArray[np.uint8], view: CameraView) -> Observation:
-    """Return the observation of a picture by a student's function.
+    """Return the observation of a picture (H, W, 3) by a student's ``measure(pixels, view)``.
 
     The function gets a copy of the picture, and the view with the body tilt that the library finds from the field
     lines, as in the demo. One picture follows the other so closely that errors of the assumed view would add up.
-
-    Parameters
-    ----------
-    measure : callable
-        ``measure(pixels, view)`` returns a list of Measurement.
-    pixels : ndarray of uint8, shape (H, W, 3)
-        The picture.
-    view : CameraView
-        Its assumed view.
-
-    Raises
-    ------
-    TypeError
-        If the function returns something else.
     """
     tilt = tilt_from_lines(read_lines(pixels, view), view)
     return observation(

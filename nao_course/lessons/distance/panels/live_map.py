@@ -37,21 +37,10 @@ _NO_POINTS = np.empty((0, 2))
 
 
 class LiveMap:
-    """A map of the field from above.
+    """A map of the field from above, at most `largest` (width, height) inches, with `ahead` metres beyond the carpet.
 
-    Parameters
-    ----------
-    field : Field
-        The field.
-    sources : mapping of str to str
-        Names for the legend of the sources whose paths may appear, in drawing order. The estimate has the colours of
-        the last source.
-    ahead : float
-        Room on the map beyond the carpet's end at the largest x, m.
-    markers : mapping of str to str
-        Markers of the legend, one letter for each, for sources that are not drawn as a path.
-    largest : (float, float)
-        Largest width and height, inches.
+    `sources` maps the sources whose paths may appear to their names in the legend, in drawing order; the estimate has
+    the colours of the last. `markers` has a letter for each source that is not drawn as a path.
     """
 
     @course_style()
@@ -94,18 +83,7 @@ class LiveMap:
             self._ax.add_artist(artist)
 
     def draw(self, contents: MapContents) -> npt.NDArray[np.uint8]:
-        """Return the map as an RGB picture.
-
-        Parameters
-        ----------
-        contents : MapContents
-            The map's contents.
-
-        Returns
-        -------
-        ndarray of uint8, shape (H, W, 3)
-            The map's pixels.
-        """
+        """Return the map as an RGB picture (H, W, 3) of uint8."""
         self._estimate.show(contents.estimate)
         for source, robot in self._robots.items():
             robot.show(as_path(list(contents.paths.get(source, ()))))

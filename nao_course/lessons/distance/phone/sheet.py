@@ -105,23 +105,10 @@ def _add_ruler(ax: Axes, low: float) -> None:
 def stand_in_photo(
     view: CameraView, pose: Pose, rng: np.random.Generator, noise: float = 2.0
 ) -> npt.NDArray[np.uint8]:
-    """Photograph the sheet on a table with a camera without a lens term.
+    """Return an RGB photo (H, W, 3) of the sheet on a table, taken by a camera without a lens term.
 
-    Parameters
-    ----------
-    view : CameraView
-        In metres of the field: 15 times as high as over the paper.
-    pose : Pose
-        Of the camera's foot, field frame.
-    rng : numpy.random.Generator
-        Of the noise.
-    noise : float
-        Its standard deviation, of 255.
-
-    Returns
-    -------
-    ndarray of uint8, shape (H, W, 3)
-        RGB.
+    The view is in metres of the field, 15 times as high as over the paper; the pose is the camera's foot in the field
+    frame. `noise` is a standard deviation, of 255.
     """
     sheet = sheet_pixels()
     rows, columns = sheet.shape[:2]

@@ -33,18 +33,9 @@ TWO_ERRORS, ONE_ERROR = "two errors", "one error"
 class FilterRun:
     """Estimates of one filter along the drive of M steps past k landmarks.
 
-    Parameters
-    ----------
-    path : ndarray, shape (M, 3)
-        Estimated poses.
-    nees : ndarray, shape (M,)
-        Normalised estimation error squared of each pose; negative if the covariance is not positive definite.
-    landmarks, landmark_covariances : ndarray, shapes (k, 2) and (k, 2, 2)
-        Estimated at the end, m and m^2.
-    true_landmarks : ndarray, shape (k, 2)
-        In the same order, m.
-    bearings : ndarray, shape (N, 2)
-        Step, and measured minus expected bearing (rad, not wrapped) of each measurement.
+    `path` (M, 3) has the estimated poses, `nees` (M,) is negative where the covariance is not positive definite. At the
+    end, the landmarks are estimated as (k, 2) in m with covariances (k, 2, 2) in m^2; the true ones are in the same
+    order. `bearings` (N, 2) has the step, and measured minus expected bearing (rad, not wrapped).
     """
 
     path: FloatArray
@@ -69,15 +60,7 @@ def bent_drive() -> Drive:
 def run_filter(functions: Functions) -> FilterRun:
     """Run a filter along the drive: predict, update with known landmarks, then add the others.
 
-    Parameters
-    ----------
-    functions : (predict, update_landmarks, add_landmark)
-        The student's, or others that are called in the same way.
-
-    Returns
-    -------
-    FilterRun
-        Its estimates.
+    `functions` are predict, update_landmarks and add_landmark, the student's or others with the same arguments.
     """
     drive = bent_drive()
     slam = NamedEkf(Pose(), *checked_functions(functions))
@@ -139,17 +122,9 @@ def sampled_covariance() -> FloatArray:
 
 
 def covariance_differences(covariance: FloatArray) -> dict[str, float]:
-    """Return the largest difference from the samples in each block, in units of the standard deviations.
+    """Return the largest difference from the samples, in standard deviations, for "pose", "pose and map" and "map".
 
-    Parameters
-    ----------
-    covariance : ndarray, shape (n, n)
-        After the motion of `TEST_CONTROL`, by a filter.
-
-    Returns
-    -------
-    dict of str to float
-        By "pose", "pose and map" and "map".
+    The covariance (n, n) is a filter's after the motion of `TEST_CONTROL`.
     """
     difference = np.abs(scaled_difference(covariance))
     return {

@@ -27,25 +27,10 @@ def repeated_updates(
 ) -> Any:
     """Call ``update_landmarks`` once, or once for each of several states.
 
-    Parameters
-    ----------
-    update_landmarks : callable
-        The lesson's.
-    state : ndarray, shape (3 + 2k,) or (updates, 3 + 2k)
-        State at which each update is linearised.
-    covariance : ndarray, shape (3 + 2k, 3 + 2k)
-        Before the first update; each update gets the covariance that the previous one returned.
-    indices : list of int, or list of lists of int
-        Measured landmarks, of each update.
-    measurements : ndarray, shape (2m,) or (updates, 2m)
-        Bearing in rad and range in m.
-    measurement_covariance : ndarray
-        Of each update.
-
-    Returns
-    -------
-    object
-        What it returned. After several updates: the last state, and the covariance divided by its largest entry.
+    The state (3 + 2k,) or (updates, 3 + 2k) is where each update is linearised. The covariance (3 + 2k, 3 + 2k) is from
+    before the first update; each update gets the covariance that the previous one returned. Measurements (2m,) or
+    (updates, 2m) are bearings in rad and ranges in m. After several updates, return the last state, and the covariance
+    divided by its largest entry.
     """
     if np.ndim(state) == 1:
         return update_landmarks(state, covariance, indices, measurements, measurement_covariance)

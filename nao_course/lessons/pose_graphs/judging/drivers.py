@@ -18,26 +18,9 @@ class WholeMatrixError(MemoryError):
 
 @register_driver
 def blocks_of_inverse(function: Callable[..., Any], information: Any, indices: list[Any]) -> Any:
-    """Call ``function(H, indices)`` with an H that cannot be made dense if it is large.
+    """Call ``function(H, indices)`` with an H (N, N) that cannot be made dense if it is large.
 
-    Parameters
-    ----------
-    function : callable
-        Returns a list of blocks, one for each of the indices.
-    information : sparse matrix, shape (N, N)
-        H, positive definite.
-    indices : list of ndarray of int
-        Rows and columns of each block.
-
-    Returns
-    -------
-    object
-        The answer.
-
-    Raises
-    ------
-    WholeMatrixError
-        If H is large and the function held N x N numbers at a time, as the whole inverse does.
+    Raise a WholeMatrixError if H is large and the function held N x N numbers at a time, as the whole inverse does.
     """
     size = information.shape[0]
     if size <= MOST_DENSE:
@@ -60,25 +43,7 @@ def blocks_of_inverse(function: Callable[..., Any], information: Any, indices: l
 
 @register_driver
 def as_array(function: Callable[..., Any], *pair: Any) -> Any:
-    """Call a residual with its three arguments and refuse a list, because `linearize` computes with the answer.
-
-    Parameters
-    ----------
-    function : callable
-        A residual.
-    *pair : ndarray
-        Pose, pose or landmark, and measurement; or E of each.
-
-    Returns
-    -------
-    object
-        The answer.
-
-    Raises
-    ------
-    TypeError
-        If the answer is a list or a tuple.
-    """
+    """Call a residual with its three arguments and refuse a list, because `linearize` computes with the answer."""
     answer = function(*pair)
     if isinstance(answer, list | tuple):
         raise TypeError(

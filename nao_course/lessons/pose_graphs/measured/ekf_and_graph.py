@@ -30,18 +30,7 @@ NOISES = {
 def hall_drive(seed: int, steps: int, noise: Sigmas) -> Drive:
     """Drive up and down the lanes of a hall with landmarks; a longer drive has a larger hall.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of the hall and of all errors.
-    steps : int
-        Number of steps M, one metre each.
-    noise : Sigmas
-        Noise of steps and measurements.
-
-    Returns
-    -------
-    Drive
+    A step is one metre long.
     """
     rng, motions = np.random.default_rng([seed, steps]), _lanes(steps)
     poses = [pose.as_array() for pose in true_path(motions, noise, rng)]
@@ -167,21 +156,9 @@ def scores(drive: Drive, mapped: Mapped) -> dict[str, float]:
 def compare(
     ekf: Filter, smoother: Smoother, noise: Sigmas, steps: Sequence[int], seeds: Sequence[int]
 ) -> dict[str, dict[str, FloatArray]]:
-    """Map the same drives by both methods.
+    """Map the same drives with the filter of lesson 07 and the graph of lesson 09.
 
-    Parameters
-    ----------
-    ekf, smoother : Filter, Smoother
-        The functions of lessons 07 and 09.
-    noise : Sigmas
-        Noise of all drives.
-    steps, seeds : sequence of int
-        Lengths of the drives, and their seeds.
-
-    Returns
-    -------
-    dict
-        "ekf" and "graph"; of each the `scores` by name, arrays of shape (lengths, seeds).
+    For "ekf" and "graph", return the `scores` by name, arrays of shape (lengths, seeds).
     """
     rows: dict[str, list[list[dict[str, float]]]] = {"ekf": [], "graph": []}
     for count in steps:

@@ -61,25 +61,9 @@ def given_gauss_newton(
     pose_residual_jacobians: Function | None = None,
     landmark_residual_jacobians: Function | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Take some steps of Gauss-Newton with the first pose held.
+    """Take some steps of Gauss-Newton with the first pose held; return the states (size,) and chi2 at each of them.
 
-    Parameters
-    ----------
-    graph : Graph
-        What was measured.
-    states : ndarray, shape (graph.size,)
-        Initial estimate.
-    iterations : int
-        Number of steps.
-    pose_residual, landmark_residual, pose_residual_jacobians, landmark_residual_jacobians : callable
-        The parts that a student may replace. By default the Jacobians are differences of the residuals.
-
-    Returns
-    -------
-    states : ndarray, shape (graph.size,)
-        After the last step.
-    chi2 : ndarray, shape (iterations + 1,)
-        Before the first step and after each step.
+    A student may replace the residuals and Jacobians; by default the Jacobians are differences of the residuals.
     """
     states = states.copy()
     residuals = pose_residual, landmark_residual
