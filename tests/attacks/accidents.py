@@ -335,7 +335,7 @@ CLAMP, SCALED, DRAWN, MIDDLE = (RIGHT[name] for name in ("clamp", "scaled", "dra
 STYLES = (
     style("twice", "clamp", f"{BLANK['clamp']}\n\n{CLAMP}"),
     Attack("twice_in_two_cells", "styles", all_but(), functions={"clamp": BLANK["clamp"]}, after=CLAMP),
-    Attack("twice_and_the_last_is_blank", "styles", all_but("clamp"), after=BLANK["clamp"]),
+    Attack("twice_and_the_last_is_blank", "styles", all_but(), after=BLANK["clamp"]),
     style(
         "defaults",
         "clamp",
@@ -1051,7 +1051,7 @@ def clamp(x, low, high):
     return float(input('x?'))""",
         row="honest",
         honest=all_but("clamp"),
-        says="EOFError",
+        says="It waits for a person",
     ),
     top("asks_at_the_top", "name = input('Your name?')"),
     top(
