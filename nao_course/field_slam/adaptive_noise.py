@@ -26,12 +26,7 @@ class OdometryModel(Protocol):
 class AdaptiveOdometryNoise:
     """Odometry noise with a scale factor that is estimated from the compass readings after each turn.
 
-    Parameters
-    ----------
-    stated : OdometryModel
-        Noise model whose standard deviations are scaled.
-    factors : sequence of float
-        Candidates for the scale factor. At first they are equally likely.
+    `stated` is the model whose standard deviations are scaled; its candidate factors are equally likely at first.
     """
 
     def __init__(self, stated: OdometryModel, factors: Sequence[float] = FACTORS) -> None:
@@ -50,16 +45,10 @@ class AdaptiveOdometryNoise:
         return np.asarray(self.factor**2 * self.stated.covariance(motion))
 
     def learn(self, innovation: float, known_variance: float, motion: Motion) -> None:
-        """Update the probabilities of the factors with one compass reading.
+        """Update the probabilities of the factors with one compass reading after a motion.
 
-        Parameters
-        ----------
-        innovation : float
-            Measured minus predicted heading after the motion, rad.
-        known_variance : float
-            Variance of the innovation without the part that the motion causes, rad^2.
-        motion : Motion
-            Motion before the reading.
+        The innovation is measured minus predicted heading, rad; `known_variance` is its variance without the part that
+        the motion causes, rad^2.
         """
         variances = known_variance + self._factors**2 * self.stated.covariance(motion)[2, 2]
         self._log_weights = self._log_weights + np.log(reading_density(innovation, variances))

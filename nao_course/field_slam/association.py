@@ -81,14 +81,8 @@ def joint_gate(gate: float, pairs: int) -> float:
 class _Pairs:
     """All P pairs of a measurement and a landmark of the same kind.
 
-    Parameters
-    ----------
-    measurement, landmark : ndarray of int, shape (P,)
-        Index of the measurement and index of the landmark of each pair.
-    innovation : ndarray, shape (2P,)
-        Innovation in bearing and range of each pair in turn, rad and m.
-    S : ndarray, shape (2P, 2P)
-        Joint covariance of all innovations.
+    `measurement` and `landmark` (P,) are indices; the innovation (2P,) has bearing and range of each pair in turn, rad
+    and m, and S (2P, 2P) is their joint covariance.
     """
 
     measurement: IntArray
@@ -130,23 +124,10 @@ class _Pairs:
 
 
 def landmark_jacobian(offset: FloatArray, distance: FloatArray, landmark: IntArray, size: int) -> FloatArray:
-    """Return the Jacobian of the bearings and ranges of P landmarks with respect to the state.
+    """Return the Jacobian (2P, size) of the bearings and ranges of P landmarks, in turn, with respect to the state.
 
-    Parameters
-    ----------
-    offset : ndarray, shape (P, 2)
-        Position of each landmark minus the robot's position, in the map frame, m.
-    distance : ndarray, shape (P,)
-        Length of each offset, m; above 0.
-    landmark : ndarray of int, shape (P,)
-        Index of each landmark in the state.
-    size : int
-        Length of the state.
-
-    Returns
-    -------
-    ndarray, shape (2P, size)
-        Rows for bearing and range of each landmark in turn.
+    Each offset (P, 2) is the landmark's position minus the robot's in the map frame, m, and `distance` (P,) its length,
+    m, above 0; `landmark` (P,) is the index in the state.
     """
     H = np.zeros((len(offset), 2, size))
     across = np.column_stack([-offset[:, 1], offset[:, 0]]) / (distance**2)[:, None]

@@ -43,14 +43,8 @@ FARTHEST_END = 6.0  # m: the length of a line that ends farther away is too unce
 class BodyTilt:
     """Tilt of the robot's body and direction of the field's lines, with their covariance.
 
-    Parameters
-    ----------
-    pitch, roll : float
-        Tilt of the body, rad; positive to the front and to the right.
-    direction : float
-        Direction of the lines, rad counterclockwise from straight ahead, known modulo 90 degrees.
-    covariance : ndarray, shape (3, 3)
-        Covariance of pitch, roll and direction, rad^2.
+    Pitch and roll, rad, are positive to the front and to the right; the direction, rad counterclockwise from straight
+    ahead, is known modulo 90 degrees. The covariance (3, 3) of pitch, roll and direction is in rad^2.
     """
 
     pitch: float
@@ -71,21 +65,9 @@ def wrap_quarter(angle: npt.ArrayLike) -> FloatArray:
 
 
 def reading_density(innovation: float, variance: npt.ArrayLike, outliers: float = OUTLIERS) -> FloatArray:
-    """Return the density of a compass reading, per rad; a few readings have nothing to do with the heading.
+    """Return the density (...), per rad, of a compass reading; a share of them, `outliers`, is random.
 
-    Parameters
-    ----------
-    innovation : float
-        Measured minus predicted heading, rad.
-    variance : array_like, shape (...)
-        Variance of the innovation, rad^2.
-    outliers : float
-        Share of readings that have nothing to do with the heading.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        Density for each variance.
+    The innovation is measured minus predicted heading, rad, with variances (...) in rad^2.
     """
     v = np.asarray(variance, dtype=float)
     gaussian = np.exp(-0.5 * innovation**2 / v) / np.sqrt(2 * np.pi * v)
@@ -101,24 +83,11 @@ def tilt_from_lines(
 ) -> BodyTilt:
     """Estimate the body tilt from lines that are parallel or at right angles to each other on the ground.
 
-    Parameters
-    ----------
-    lines : array_like, shape (N, 4)
-        Lines (u1, v1, u2, v2) in px, as `read_lines` returns them: with subpixel accuracy and without lens distortion.
-    view : CameraView
-        View of the camera if the body were upright.
-    sigmas : array_like, shape (2,) or (2, 2)
-        Standard deviations of pitch and roll before the picture is used, rad, or their covariance, rad^2.
-    least_support : float
-        Least value of `support`, m, for an estimate that is used.
-    least_length : float
-        Least length of a line that is used, m on the ground below an upright body.
-
-    Returns
-    -------
-    BodyTilt
-        If there are too few lines, or too few of them agree: zero tilt with the covariance of the prior, and a
-        direction that may have any value.
+    The lines (N, 4) are (u1, v1, u2, v2) in px, as `read_lines` returns them: with subpixel accuracy and without lens
+    distortion. The view is the upright robot's. `sigmas` are the prior standard deviations (2,) of pitch and roll, rad,
+    or their covariance (2, 2), rad^2. `least_support` is a value of `support`, m; shorter lines than `least_length`, m
+    on the ground below an upright body, are not used. If too few lines agree, the tilt is zero with the prior's
+    covariance, and the direction may have any value.
     """
     ends = np.asarray(lines, dtype=float).reshape(-1, 4)
     prior = tilt_covariance(sigmas)
@@ -140,24 +109,11 @@ def tilt_from_lines(
 
 
 def support(lines: npt.ArrayLike, view: CameraView, tilt: BodyTilt) -> float:
-    """Return the length of the lines that agree with a direction minus the length of the lines that contradict it.
+    """Return the length, m on the ground, of the lines that agree with a tilt minus the length of all others.
 
-    The segments of the centre circle have all directions, so they have little support together.
-
-    Parameters
-    ----------
-    lines : array_like, shape (N, 4)
-        Lines (u1, v1, u2, v2) in px, without lens distortion.
-    view : CameraView
-        View of the camera if the body were upright.
-    tilt : BodyTilt
-        Tilt and direction that were estimated from the lines.
-
-    Returns
-    -------
-    float
-        Length on the ground, m, of the lines within 4 degrees of the direction or at right angles to it, minus the
-        length of the lines that are more than 6 degrees off.
+    Lines (N, 4) are (u1, v1, u2, v2) in px, without lens distortion, and the view is the upright robot's. Lines agree
+    within 4 degrees of the direction or of a right angle to it, and contradict if they are more than 6 degrees off. The
+    segments of the centre circle have all directions, so they have little support together.
     """
     level = tilted(view, tilt.pitch, tilt.roll)
     rays = _rays(np.asarray(lines, dtype=float).reshape(-1, 4), level)
@@ -171,22 +127,11 @@ def support(lines: npt.ArrayLike, view: CameraView, tilt: BodyTilt) -> float:
 
 
 def line_directions(normals: FloatArray, pitch: npt.ArrayLike, roll: npt.ArrayLike) -> FloatArray:
-    """Return the directions of lines on the ground if the body is tilted by small angles.
+    """Return the directions (..., N) of lines on the ground under small body tilts.
 
-    A line and the camera span a plane. When the normal of that plane is tilted with the body, its horizontal part is
-    perpendicular to the line.
-
-    Parameters
-    ----------
-    normals : ndarray, shape (N, 3)
-        Normals of the planes, in the frame of the robot if its body were upright.
-    pitch, roll : array_like, shape (...)
-        Tilt of the body, rad.
-
-    Returns
-    -------
-    ndarray, shape (..., N)
-        Directions, rad counterclockwise from straight ahead.
+    A line and the camera span a plane, whose normal (N, 3) is in the frame of an upright robot. When the normal is
+    tilted by pitch and roll (...), rad, its horizontal part is perpendicular to the line. Directions are in rad
+    counterclockwise from straight ahead.
     """
     x, y, z = normals.T
     return np.arctan2(-x - np.asarray(pitch)[..., None] * z, y - np.asarray(roll)[..., None] * z)

@@ -39,10 +39,7 @@ Area = tuple[tuple[float, float], tuple[float, float]]
 def inside(field: Field) -> Area:
     """Return the lower left and the upper right corner of the area of a field where the robot drives, m.
 
-    Raises
-    ------
-    ValueError
-        If the field is too small for a drive.
+    Raise a ValueError if the field is too small for a drive.
     """
     (x0, x1), (y0, y1) = field.x_range, field.y_range
     if x1 - x0 < SMALLEST_FIELD[0] or y1 - y0 < SMALLEST_FIELD[1]:
@@ -94,16 +91,8 @@ class OdometryNoisePerMove(OdometryNoise):
 class Shot:
     """A picture of a drive, with the ground truth.
 
-    Parameters
-    ----------
-    motion : Motion or None
-        Commanded motion before the picture; None if the robot only turned its head.
-    picture : Picture
-        Pixels and the assumed view of the camera.
-    pose : Pose
-        True pose of the robot in the field frame.
-    truth : PictureTruth
-        True view of the camera, and the landmarks in the picture.
+    The motion was commanded before the picture, and is None if the robot only turned its head. The picture has the
+    assumed view; the pose, in the field frame, and the view in `truth` are the true ones.
     """
 
     motion: Motion | None
@@ -131,25 +120,9 @@ def drive_over_field(
 ) -> Iterator[Shot]:
     """Drive over a field and yield the pictures of each stop, which are rendered one at a time.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of the start, the goals, the odometry, the tilt and the room. The same seed gives the same drive.
-    factor : float
-        Factor for the standard deviations of `OdometryNoisePerMove`.
-    moves : int
-        Number of moves.
-    yaws : sequence of float
-        Yaw angles of the head at each stop, rad.
-    reality : Reality, optional
-        Appearance of the pictures; by default the preset `lab` in a room that depends on the seed.
-    field : Field, optional
-        Field; by default half a field by the rules of 2012.
-
-    Yields
-    ------
-    Shot
-        A picture for each yaw angle at each of the (moves + 1) stops.
+    There is a picture for each yaw angle (rad) of the head at each of the (moves + 1) stops. The same seed gives the
+    same drive; `factor` scales the standard deviations of `OdometryNoisePerMove`. By default, the field is half a field
+    by the rules of 2012, and `reality` is the preset `lab` in a room that depends on the seed.
     """
     field = field or Field(2012)
     nao = SimulatedNao(
@@ -176,12 +149,7 @@ def drive_over_field(
 class Driver:
     """A driver who knows the true pose of the robot and steers it from goal to goal inside the field.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of the random goals.
-    area : ((float, float), (float, float))
-        Lower left and upper right corner of the area where the robot drives, m.
+    The area is its lower left and its upper right corner, m.
     """
 
     def __init__(self, rng: np.random.Generator, area: Area = INSIDE) -> None:

@@ -35,15 +35,7 @@ SMALL = 1e-8  # m^2 and rad^2: added to covariances, which are zero at the start
 
 
 class Hypothesis(NamedTuple):
-    """A sequence of decisions about the association.
-
-    Parameters
-    ----------
-    log_probability : float
-        Log of the probability that this hypothesis is right and all others are wrong.
-    slam : JointUpdate
-        Filter that was updated according to them.
-    """
+    """A filter that was updated by a sequence of decisions, and the log of the probability that only they are right."""
 
     log_probability: float
     slam: JointUpdate
@@ -55,14 +47,8 @@ class MultipleHypotheses(SlamAlgorithm):
     Each filter uses a picture as its own association demands. Copies of it ignore the picture's landmarks, its lines
     and circle, both, or its compass and lines, or use the second nearest of the compass's four headings. The
     probability of each follows from the likelihood of the measurements that it uses, and from the density of false and
-    new measurements. Later pictures decide between them.
-
-    Parameters
-    ----------
-    first : JointUpdate
-        Filter at the start. Nobody else may use it.
-    most : int
-        Number of hypotheses that are kept after each picture.
+    new measurements. Later pictures decide between them. At most `most` are kept after each picture. `first` is the
+    filter at the start, which nobody else may use.
     """
 
     def __init__(self, first: JointUpdate, most: int = MOST) -> None:

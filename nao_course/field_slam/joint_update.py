@@ -58,14 +58,8 @@ INTERNAL: Final = "internal"
 class Scene(Observation):
     """An observation with the lines and the centre circle of its picture.
 
-    Parameters
-    ----------
-    shared : ndarray, shape (2,)
-        Covariance of pitch and roll with the lines' direction, rad^2.
-    lines : ndarray, shape (N, 3)
-        Of each line, the visible point (x, y) that is nearest to the robot, m, and the direction, rad; robot frame.
-    circle : Circle, optional
-        Centre circle, if it was found.
+    `shared` (2,) is the covariance of pitch and roll with the lines' direction, rad^2. Each of the lines (N, 3) is its
+    visible point (x, y) that is nearest to the robot, m, and its direction, rad, in the robot frame.
     """
 
     shared: FloatArray = field(default_factory=lambda: np.zeros(2))
@@ -78,24 +72,9 @@ def scene(
 ) -> Scene:
     """Add the lines and the centre circle to the landmarks of a picture.
 
-    Parameters
-    ----------
-    seen : Observation
-        Landmarks, and the compass that was computed with this tilt.
-    tilt : BodyTilt
-        Tilt of the body, estimated from the lines.
-    lines : ndarray, shape (N, 4)
-        Lines as returned by `read_lines`, px.
-    level : CameraView
-        View of the camera, corrected by the tilt.
-    radius : float
-        Radius of the field's centre circle, m; 0 if there is none.
-
-    Returns
-    -------
-    Scene
-        Observation without lines if there is no compass, because it is then unknown which of the field's two directions
-        each line has.
+    The compass of `seen` was computed with this tilt, and `level` is the view corrected by it. The lines (N, 4) come
+    from `read_lines`, px; the circle's radius is in m, and 0 if there is none. Without a compass the result has no
+    lines, because it is then unknown which of the field's two directions each line has.
     """
     own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
     found = field_lines(lines, tilt, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
@@ -155,20 +134,10 @@ class _Move(NamedTuple):
 class LinearisedMeasurement(NamedTuple):
     """Measurements linearised at the current estimate.
 
-    Parameters
-    ----------
-    innovation : ndarray, shape (m,)
-        Measurements minus expected measurements.
-    H : ndarray, shape (m, n)
-        Jacobian of the expected measurements with respect to the state.
-    own : ndarray, shape (m, m)
-        Covariance of the measurement noise without the part that the tilt causes.
-    tilt_jacobian : ndarray, shape (m, 2)
-        Jacobian of the innovation with respect to the errors of pitch and roll.
-    part : Part
-        What they measure.
-    known : ndarray of bool, shape (m,)
-        Whether each measures something that was on the map before.
+    The innovation (m,) is measured minus expected, H (m, n) the Jacobian of the expected measurements with respect to
+    the state, `own` (m, m) the noise's covariance without the part of the tilt, and `tilt_jacobian` (m, 2) the Jacobian
+    of the innovation with respect to the errors of pitch and roll. `known` (m,) marks measurements of something that
+    was on the map before.
     """
 
     innovation: FloatArray
@@ -184,20 +153,10 @@ class JointUpdate(SlamAlgorithm):
 
     Lines and the circle's centre are landmarks of another kind on the filter's own map. A line's c is the first of its
     two coordinates; the second one has no meaning. The update is exact to first order. The gates before it ignore that
-    the compass has already reduced the uncertainty of the tilt, so they are slightly too wide.
-
-    Parameters
-    ----------
-    inner : JointFilter
-        Filter that predicts, updates with the compass, and associates landmarks. Nobody else may use it.
-    factors : sequence of float
-        Candidates for the scale factor of the odometry's standard deviations, which is then estimated from the compass
-        readings (`AdaptiveOdometryNoise`). With (1.0,), the stated noise is used.
-
-    Attributes
-    ----------
-    likelihood : PictureLikelihood
-        Likelihood of the last picture's measurements.
+    the compass has already reduced the uncertainty of the tilt, so they are slightly too wide. `inner` predicts,
+    updates with the compass and associates landmarks; nobody else may use it. `factors` are candidates for the scale of
+    the odometry's standard deviations, estimated from the compass (`AdaptiveOdometryNoise`); (1.0,) keeps the stated
+    noise. `likelihood` is the likelihood of the last picture's measurements.
     """
 
     likelihood: PictureLikelihood
@@ -217,14 +176,9 @@ class JointUpdate(SlamAlgorithm):
         self.inner.move(motion)
 
     def observe(self, measurements: Sequence[Measurement], quarter: int = 0) -> None:
-        """Update with a picture.
+        """Update with a picture; a `Scene` also has lines and the centre circle.
 
-        Parameters
-        ----------
-        measurements : sequence of Measurement
-            Measurements of the picture; a `Scene` also has lines and the centre circle.
-        quarter : int
-            By how many quarter turns the heading differs from the nearest heading of the compass.
+        The heading differs by `quarter` quarter turns from the nearest heading of the compass.
         """
         seen = as_observation(measurements)
         self._estimate_noise(seen, quarter)

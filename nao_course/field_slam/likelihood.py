@@ -26,19 +26,10 @@ IGNORED = 0.3  # factor for measurements that are ignored although the map may e
 class PictureLikelihood:
     """The likelihood of one picture's measurements, given the estimate before it.
 
-    Parameters
-    ----------
-    innovation : ndarray, shape (m,)
-        Innovations of the landmarks, lines and the circle that were on the map before.
-    S : ndarray, shape (m, m)
-        Covariance of the innovations.
-    parts : ndarray of str, shape (m,)
-        Part that each innovation belongs to.
-    others : mapping of Part to (float, float)
-        Of each part, the log density of its other measurements, and of all its measurements if it is ignored.
-    other_heading : (int, float)
-        Second nearest heading that the compass allows, as a number of quarter turns from the nearest one, and its log
-        density minus the log density of the nearest one.
+    Innovations (m,) with covariance S (m, m) are of landmarks, lines and the circle that were on the map before, and
+    `parts` (m,) says which part each belongs to. `others` has, for each part, the log density of its other
+    measurements, and of all its measurements if it is ignored. `other_heading` is the compass's second nearest heading,
+    in quarter turns from the nearest, and its log density minus the log density of the nearest.
     """
 
     innovation: FloatArray
@@ -71,14 +62,10 @@ def gaussian_log_density(innovation: FloatArray, S: FloatArray) -> float:
 
 
 def compass_log_densities(innovation: float, variance: float) -> tuple[float, float]:
-    """Return the log densities of a compass reading, and of a reading that has nothing to do with the heading.
+    """Return the log densities of a compass reading, and of a reading that is independent of the heading.
 
-    Parameters
-    ----------
-    innovation : float
-        Measured minus predicted heading, rad.
-    variance : float
-        Variance of the innovation, rad^2; infinite if there is no reading, and both results are then 0.
+    The innovation is measured minus predicted heading, rad, and its variance is in rad^2; it is infinite without a
+    reading, and both results are then 0.
     """
     if not np.isfinite(variance):
         return 0.0, 0.0
@@ -96,12 +83,7 @@ def other_heading_of(innovation: float, variance: float) -> tuple[int, float]:
 def landmark_log_densities(seen: Observation, explained: npt.ArrayLike) -> tuple[float, float]:
     """Return the log densities of the landmarks that the map does not explain, and of all if they are ignored.
 
-    Parameters
-    ----------
-    seen : Observation
-        Observation with k landmarks.
-    explained : array_like of bool, shape (k,)
-        Whether each of them was on the map.
+    `explained` (k,) says which of the observation's k landmarks were on the map.
     """
     # A square metre at range r covers 1/r of an area in bearing (rad) and range (m).
     each = np.log([UNEXPLAINED[of.kind] * of.range for of in seen])

@@ -38,24 +38,8 @@ DUPLICATES = 8.0  # px at 320: of corners that are nearer to each other, one is 
 def read_lines(picture: Pixels, view: CameraView, line_width: float = LINE_WIDTH) -> FloatArray:
     """Find the centre lines of the field's straight lines: two facing edges with carpet on both outer sides.
 
-    Parameters
-    ----------
-    picture : ndarray of uint8, shape (H, W, 3)
-        RGB picture of the view's size.
-    view : CameraView
-        Assumed view of the camera.
-    line_width : float
-        Width of the field's lines, m.
-
-    Returns
-    -------
-    ndarray, shape (N, 4)
-        End points (u1, v1, u2, v2) in px with subpixel accuracy and without lens distortion, the longest line first.
-
-    Raises
-    ------
-    ValueError
-        If the picture does not have the view's size.
+    The RGB picture (H, W, 3) has the view's size, or a ValueError is raised; `line_width` is in m. Return end points
+    (N, 4), (u1, v1, u2, v2) in px, with subpixel accuracy and without lens distortion, the longest line first.
     """
     if picture.shape != (view.size[1], view.size[0], 3):
         width, height = view.size
@@ -72,17 +56,8 @@ def read_lines(picture: Pixels, view: CameraView, line_width: float = LINE_WIDTH
 def corners_of_lines(lines: FloatArray, view: CameraView) -> FloatArray:
     """Find the corners: points where lines meet at right angles on the ground, near an end of one of them.
 
-    Parameters
-    ----------
-    lines : ndarray, shape (N, 4)
-        Lines as returned by `read_lines`, px.
-    view : CameraView
-        View of the camera, corrected by the body tilt.
-
-    Returns
-    -------
-    ndarray, shape (K, 2)
-        Corners (u, v) in px of the picture, with lens distortion.
+    Lines (N, 4) are as returned by `read_lines`, px, and the view is corrected by the body tilt. Return (u, v) (K, 2)
+    in px of the picture, with lens distortion.
     """
     ground = to_ground(lines.reshape(-1, 2), view).reshape(-1, 4)
     ground = ground[np.isfinite(ground).all(axis=1)]

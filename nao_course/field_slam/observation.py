@@ -169,18 +169,10 @@ def observation(
 ) -> Observation:
     """Make an observation from the measurements of one picture, with their joint covariance.
 
-    Parameters
-    ----------
-    measurements : sequence of Measurement
-        Bearings and ranges of k landmarks.
-    tilt : array_like, shape (2,) or (2, 2)
-        Standard deviations of the body's pitch and roll, rad, or their covariance, rad^2.
-    corner_sigma : float
-        Standard deviation of a corner in a picture of 320 columns, px. A post has PIXEL_SIGMA.
-    direction, direction_sigma : float
-        Direction of the field's lines and its standard deviation, rad; see `Observation`.
-    post_sigma : float
-        Additional standard deviation of a post on the ground, m; see `picture_covariance`.
+    `tilt` has the standard deviations (2,) of the body's pitch and roll, rad, or their covariance (2, 2), rad^2.
+    `corner_sigma` is a corner's standard deviation in a picture of 320 columns, px; a post has PIXEL_SIGMA, and on the
+    ground `post_sigma`, m, in addition (see `picture_covariance`). `direction` of the field's lines and its standard
+    deviation are in rad; see `Observation`.
     """
     T = tilt_covariance(tilt)
     sigmas = np.array([_pixel_sigma(each.kind, corner_sigma) for each in measurements])
@@ -219,27 +211,13 @@ def picture_covariance(
     pixel_sigma: npt.ArrayLike = PIXEL_SIGMA,
     post_sigma: float = 0.0,
 ) -> FloatArray:
-    """Return the joint covariance of the measurements of one picture, R = D + G T Gᵀ.
+    """Return the joint covariance (2k, 2k) of the k measurements of one picture, R = D + G T Gᵀ.
 
     D is the diagonal covariance of the pixel noise, T the covariance of the tilt, and G the Jacobian of the
-    measurements with respect to the tilt.
-
-    Parameters
-    ----------
-    measurements : sequence of Measurement
-        Bearings and ranges of k landmarks.
-    tilt : array_like, shape (2,) or (2, 2)
-        Standard deviations of the body's pitch and roll, rad, or their covariance, rad^2.
-    pixel_sigma : float or array_like, shape (k,)
-        Standard deviation of a landmark in a picture of 320 columns, px, in both directions.
-    post_sigma : float
-        Additional standard deviation of a post, m on the ground in both directions. It is POST_SIGMA if posts are found
-        in pictures, and 0 if they are simulated as points.
-
-    Returns
-    -------
-    ndarray, shape (2k, 2k)
-        Covariance of bearing and range of each measurement in turn, rad^2, rad m and m^2.
+    measurements with respect to the tilt. The order is bearing and range of each measurement in turn, in rad^2, rad m
+    and m^2. `tilt` has the standard deviations (2,) of pitch and roll, rad, or T (2, 2), rad^2; `pixel_sigma` is one or
+    (k,) standard deviations in px of a picture of 320 columns, in both directions. `post_sigma`, m on the ground in
+    both directions, is POST_SIGMA if posts are found in pictures, and 0 if they are simulated as points.
     """
     values = values_of(measurements)
     T = tilt_covariance(tilt)
@@ -254,21 +232,11 @@ def picture_covariance(
 
 
 def tilt_jacobian(values: FloatArray) -> FloatArray:
-    """Return the Jacobian of bearings and ranges with respect to the errors of the body's pitch and roll.
+    """Return the Jacobian (2k, 2) of bearings and ranges (k, 2) with respect to errors of the body's pitch and roll.
 
     The body tilts about the point where it stands. To first order, the bearings do not change, and the inverse ranges
-    of all landmarks of a picture change by (pitch cos(bearing) - roll sin(bearing)) / height of the camera.
-
-    Parameters
-    ----------
-    values : ndarray, shape (k, 2)
-        Bearing and range of each landmark, rad and m.
-
-    Returns
-    -------
-    ndarray, shape (2k, 2)
-        Derivatives of the measured values with respect to pitch and roll, rad / rad and m / rad. The errors count as
-        positive if the assumed tilt is too small.
+    of all landmarks of a picture change by (pitch cos(bearing) - roll sin(bearing)) / height of the camera. Entries are
+    in rad / rad and m / rad; errors count as positive if the assumed tilt is too small.
     """
     bearing, distance = values.T
     jacobian = np.zeros((len(values), 2, 2))
@@ -280,17 +248,7 @@ def tilt_jacobian(values: FloatArray) -> FloatArray:
 def tilted(view: CameraView, pitch: float, roll: float) -> CameraView:
     """Return the view of a camera after the whole body has been tilted about the point where it stands.
 
-    Parameters
-    ----------
-    view : CameraView
-        View of the upright robot's camera.
-    pitch, roll : float
-        Tilt of the body, rad; positive to the front and to the right.
-
-    Returns
-    -------
-    CameraView
-        View with the height, offset and angles of the tilted camera.
+    Pitch and roll are in rad, positive to the front and to the right.
     """
     torso = rotation_3d(0.0, pitch, roll)
     x, y, z = (torso @ view.position).tolist()

@@ -13,13 +13,9 @@ class SurestFirst(SlamAlgorithm):
     """Update with the pictures of a stop in order of their compass: the smallest standard deviation first.
 
     After a sharp turn the heading is uncertain by several degrees, and a picture with a single landmark may associate
-    it with the wrong one. While the robot stands still, the pictures that measure the heading can come first.
-
-    Parameters
-    ----------
-    inner : SlamAlgorithm
-        Algorithm that is updated with the pictures of a stop when the next motion is commanded. An estimate before
-        that is computed by a copy, so the order of the updates does not depend on when estimates are requested.
+    it with the wrong one. While the robot stands still, the pictures that measure the heading can come first. `inner`
+    is updated with the pictures of a stop when the next motion is commanded. A copy computes an estimate before that,
+    so the order of the updates does not depend on when estimates are requested.
     """
 
     def __init__(self, inner: SlamAlgorithm) -> None:

@@ -34,20 +34,9 @@ OUTLIER = (
 class Frame:
     """A picture with the motion before it and the assumed view of the camera; the true pose serves for scores only.
 
-    Parameters
-    ----------
-    motion : Motion or None
-        Motion before the picture, as commanded or measured by odometry; None if the robot only turned its head.
-    pixels : ndarray of uint8, shape (H, W, 3)
-        RGB picture.
-    view : CameraView
-        Assumed view of the camera.
-    pose : Pose
-        True pose in the field frame.
-    farthest : float
-        Largest range of a measurement that is used, m.
-    calibrated : bool
-        Whether the assumed view is right except for the body's sway. Otherwise the camera has a constant offset, too.
+    The motion is commanded or measured by odometry, and None if the robot only turned its head. The pixels (H, W, 3)
+    are RGB, the pose is in the field frame, and `farthest` is the largest range of a measurement that is used, m. A
+    view that is not `calibrated` has a constant offset in addition to the body's sway.
     """
 
     motion: Motion | None
@@ -61,19 +50,8 @@ class Frame:
 def real_walk(pictures: Sequence[RealPicture], seed: int, marked_headings: bool = True) -> Iterator[Frame]:
     """Yield the pictures of a real walk; the odometry is the true steps with errors of `OdometryNoisePerMove`.
 
-    Parameters
-    ----------
-    pictures : sequence of RealPicture
-        Pictures of a walk, as returned by `read_pictures`.
-    seed : int
-        Seed of the odometry's errors.
-    marked_headings : bool
-        Whether the true headings are computed from the marked points; otherwise they are those written down.
-
-    Yields
-    ------
-    Frame
-        A frame for each picture. Its view follows from the head's joints and is not calibrated.
+    The views follow from the head's joints and are not calibrated. With `marked_headings`, the true headings are
+    computed from the marked points; otherwise they are those written down.
     """
     rng, odometry = np.random.default_rng([seed, 31]), OdometryNoisePerMove()
     before: Pose | None = None
@@ -96,21 +74,9 @@ def walk_view(picture: RealPicture) -> CameraView:
 
 @lru_cache(maxsize=128)
 def marked_heading(picture: RealPicture, view: CameraView, pose: Pose) -> float:
-    """Return the heading that fits the marked points of a picture best, or the written one if no point is usable.
+    """Return the heading, rad in the field frame, that fits a picture's marked points best, or else the written one.
 
-    Parameters
-    ----------
-    picture : RealPicture
-        Picture with marked points.
-    view : CameraView
-        View of its camera.
-    pose : Pose
-        Pose that was written down.
-
-    Returns
-    -------
-    float
-        Heading in the field frame, rad.
+    The written one is returned if no marked point is usable.
     """
     if not any(_landmarks(point.kind) for point in picture.points):
         return pose.theta

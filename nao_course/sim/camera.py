@@ -18,13 +18,7 @@ LARGEST_SIZE = 8192
 
 
 def check_size(size: tuple[int, int]) -> tuple[int, int]:
-    """Return a picture's (width, height) in pixels as ints.
-
-    Raises
-    ------
-    ValueError
-        If the size is not two integers from 1 to 8192.
-    """
+    """Return (width, height) in pixels as ints; raise a ValueError unless both are integers from 1 to 8192."""
     wrong = f"size must be (width, height), whole pixels from 1 to {LARGEST_SIZE}, such as (320, 240); got {size!r}"
     try:
         width, height = (int(value) for value in size)
@@ -225,15 +219,7 @@ def _without_lens(fov: float, k1: float) -> float:
 
 @dataclass(frozen=True)
 class CameraMount:
-    """Position and angle of a camera in the head frame.
-
-    Parameters
-    ----------
-    x, z : float
-        Position ahead of the neck joint and above it, m.
-    pitch : float
-        Angle below the head's x axis, rad; positive is down.
-    """
+    """Position of a camera ahead of and above the neck joint, m, and its pitch, rad, positive down; head frame."""
 
     x: float
     z: float

@@ -21,18 +21,9 @@ from nao_course.sim.shapes import Eye
 class Furniture:
     """Flat polygons in space, back to front within each piece.
 
-    Parameters
-    ----------
-    points : ndarray, shape (P, 3)
-        Corners of all polygons in the field frame, m.
-    starts : ndarray of int, shape (N + 1,)
-        Index of the first corner of each polygon.
-    colours : ndarray of uint8, shape (N, 3)
-        RGB colour of each polygon in a picture.
-    piece : ndarray of int, shape (N,)
-        Index of the piece of furniture that each polygon belongs to.
-    places : ndarray, shape (pieces, 2)
-        Position of each piece in the field frame, m.
+    The corners (P, 3) of all polygons are in the field frame, m, `starts` (N + 1,) are the indices of each polygon's
+    first corner, `colours` (N, 3) are RGB, `piece` (N,) is the piece that each polygon belongs to, and `places`
+    (pieces, 2) are the pieces' positions in the field frame, m.
     """
 
     points: FloatArray

@@ -22,14 +22,10 @@ from nao_course.sim.shapes import Eye, Float32
 class Curtain:
     """A texture of walls or furniture on an upright plane along one side of the carpet.
 
-    Parameters
-    ----------
-    start, along, outwards : ndarray, shape (2,)
-        Left end of the plane as seen from outside, m, and unit vectors along the plane and away from the carpet; field
-        frame.
-    paint : tuple of ndarray of uint8, shape (rows, columns, 4)
-        Texture of colours times the covered area, and of transparency (255 is fully transparent), from the top down;
-        and the same at half the size for large distances.
+    `start` (2,) is the plane's left end as seen from outside, m, `along` and `outwards` (2,) are unit vectors along it
+    and away from the carpet, in the field frame. Each texture (rows, columns, 4) has colours times the covered area,
+    and transparency (255 is fully transparent), from the top down; a second texture of half the size is for large
+    distances.
     """
 
     start: FloatArray

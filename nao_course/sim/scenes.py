@@ -88,8 +88,6 @@ def standard_scene(
 ) -> Scene:
     """Render a single picture of a standard set; `number` counts from 0.
 
-    Examples
-    --------
     >>> standard_scene("tune", 0, size=(64, 48)).pixels.shape
     (48, 64, 3)
     """
@@ -109,21 +107,9 @@ def standard_scene(
 
 
 def random_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generator) -> Scene:
-    """Render a picture from one random place on half a field of 2012 to another, with a corner or a post in it.
+    """Render a picture of (width, height) px from one random place on half a field of 2012 to another.
 
-    Parameters
-    ----------
-    size : (int, int)
-        Width and height of the picture, px.
-    reality : Reality
-        Appearance of the picture, and its room.
-    rng : numpy.random.Generator
-        Source of both places.
-
-    Returns
-    -------
-    Scene
-        Picture with its ground truth.
+    A corner or a post is in it; `reality` is its appearance and its room.
     """
     field = Field(2012)
     while True:
@@ -137,21 +123,9 @@ def random_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generat
 
 
 def whole_field_scene(size: tuple[int, int], reality: Reality, rng: np.random.Generator) -> Scene:
-    """Render a picture from a random place on a whole field of 2012 in a random direction.
+    """Render a picture of (width, height) px from a random place on a whole field of 2012 in a random direction.
 
-    Parameters
-    ----------
-    size : (int, int)
-        Width and height of the picture, px.
-    reality : Reality
-        Appearance of the picture, and its room.
-    rng : numpy.random.Generator
-        Source of the place and the direction.
-
-    Returns
-    -------
-    Scene
-        Picture with its ground truth.
+    `reality` is its appearance and its room.
     """
     x, y, heading, yaw = rng.uniform((-2.9, -1.9, -np.pi, -0.5), (2.9, 1.9, np.pi, 0.5))
     assumed, true = _views(yaw, size, rng)

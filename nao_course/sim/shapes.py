@@ -31,17 +31,7 @@ _NEXT, _BEFORE = [1, 2, 0], [2, 0, 1]  # indices of the coordinates in a cross p
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """The pixels that a shape covers.
-
-    Parameters
-    ----------
-    inside : ndarray of int, shape (K,)
-        Flat indices of the pixels that are covered completely.
-    rim : ndarray of int, shape (M,)
-        Flat indices of the pixels near the edge.
-    area : ndarray of float32, shape (M,)
-        Covered area of each rim pixel, 0 to 1.
-    """
+    """Flat indices of pixels that a shape covers: `inside` (K,) completely, `rim` (M,) by an `area` (M,) of 0 to 1."""
 
     inside: Indices
     rim: Indices
@@ -54,19 +44,9 @@ class Covered:
 
 
 class Grid:
-    """Rays (1, -right, -down) through the centres of all pixels, and their derivatives along a row and a column.
+    """Rays (1, -right, -down) through the centres of all pixels (H, W), and their changes along a row and a column.
 
-    Parameters
-    ----------
-    right, down, right_du, right_dv, down_du, down_dv : array_like, shape (H, W)
-        The two coordinates of each ray, and their changes from one pixel to the next.
-
-    Attributes
-    ----------
-    flat : ndarray of float32, shape (6, H * W)
-        All of them in this order, so that one call looks up what a pixel needs.
-    right, down : ndarray of float32, shape (H, W)
-        The two coordinates.
+    `flat` (6, H * W) holds all arguments in their order, so that one call returns what a pixel needs.
     """
 
     def __init__(self, *parts: npt.ArrayLike) -> None:
@@ -118,19 +98,9 @@ def _lens_reach(lens: CameraView) -> FloatArray:
 
 
 def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32:
-    """Return the area of unit squares on the positive side of straight edges.
+    """Return the areas (N,) of unit squares where a linear function is positive, as the integral of a clipped ramp.
 
-    Parameters
-    ----------
-    distance : ndarray of float32, shape (N,)
-        Value of a linear function at the centre of each square.
-    along_u, along_v : ndarray of float32, shape (N,)
-        Gradient of the function.
-
-    Returns
-    -------
-    ndarray of float32, shape (N,)
-        Area where the function is positive, computed as the integral of a clipped ramp.
+    Each function is given by its value at the square's centre and its gradient, (N,) each.
     """
     u, v = np.abs(along_u), np.abs(along_v)
     steep = np.maximum(np.maximum(u, v), np.float32(1e-20))
@@ -148,22 +118,10 @@ def cut_square(distance: Float32, along_u: Float32, along_v: Float32) -> Float32
 class Eye:
     """A camera at a pose on a field, which computes the pixels that shapes cover.
 
-    Parameters
-    ----------
-    seen_from : Pose
-        Pose of the robot in the field frame.
-    view : CameraView
-        True view of the camera while the middle row is read out.
-    turning : array_like, shape (3,), optional
-        Rotation of the camera about its own axes (ahead, left, up) from the first row to the last, rad. With a rolling
-        shutter, each row then has another direction.
-
-    Attributes
-    ----------
-    grid : Grid
-        Rays of all pixels in the camera frame.
-    ground_position : ndarray, shape (2,)
-        Point on the ground below the camera, in the field frame, m.
+    `seen_from` is the robot's pose in the field frame, and the view is the true one while the middle row is read out.
+    `turning` (3,) is the rotation of the camera about its own axes (ahead, left, up) from the first row to the last,
+    rad: with a rolling shutter, each row has another direction. `grid` has the rays in the camera frame, and
+    `ground_position` (2,) is the point below the camera in the field frame, m.
     """
 
     def __init__(self, seen_from: Pose, view: CameraView, turning: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
@@ -335,12 +293,7 @@ class Eye:
     def large_quad(self, corners: FloatArray) -> tuple[npt.NDArray[np.uint8], Covered]:
         """Return the pixels covered by a quadrilateral (4, 3) that may fill the picture.
 
-        Returns
-        -------
-        mask : ndarray of uint8, shape (H, W)
-            Not 0 for pixels that are wholly inside.
-        rim : Covered
-            Pixels at the rim; `inside` is empty.
+        The mask (H, W) is not 0 for pixels that are wholly inside, and `rim` has no pixels in `inside`.
         """
         outline = self.outlines([corners])[0]
         mask = np.zeros(self.view.size[::-1], dtype=np.uint8)

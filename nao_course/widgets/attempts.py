@@ -30,20 +30,9 @@ Words = str | Callable[[], str]  # a function is called after the attempt
 class Attempt(Generic[Value]):
     """The outcome of one call of a student's code.
 
-    Parameters
-    ----------
-    value : object
-        The returned value; None if the call failed.
-    message : str
-        Why the call failed, in a sentence; empty if it succeeded.
-    error : BaseException or None
-        The exception that the call raised.
-    unfinished : bool
-        Whether the exception is a NotImplementedError: the exercise is not written yet.
-    printed : str
-        The end of the printed text.
-    seconds : float
-        Run time of the call.
+    A failed call has no value, but a message, a sentence, and the exception. `unfinished` means that this is a
+    NotImplementedError: the exercise is not written yet. `printed` is the end of the printed text, and `seconds` the
+    run time.
     """
 
     value: Value | None = None
@@ -69,26 +58,10 @@ def attempt(
 ) -> Attempt[Value]:
     """Call a student's code and return the outcome; only KeyboardInterrupt is raised.
 
-    Every panel calls the student's functions in this way.
-
-    Parameters
-    ----------
-    call : callable
-        Function without arguments. It also checks the student's result and raises ValueError or TypeError if it is
-        unusable.
-    what : str or callable
-        Name of the code in messages: "your filter", "move()"; or a function that returns the name after the call.
-    limit : float
-        Seconds after which the call is stopped.
-    unfinished : str or callable, optional
-        The message for a NotImplementedError; by default it is reported like any other error.
-    quiet : bool
-        Whether the printed text is kept without being shown.
-
-    Returns
-    -------
-    Attempt
-        The returned value or the error, the printed text, and the run time.
+    Every panel calls the student's functions in this way. `call` also checks the student's result and raises a
+    ValueError or TypeError if it is unusable. `what` names the code in messages, such as "your filter", or returns the
+    name after the call. The call is stopped after `limit` seconds. Without an `unfinished` message, a
+    NotImplementedError is reported like any other error; with `quiet`, the printed text is kept without being shown.
     """
     printed = PrintedCopy(quiet)
     value: Value | None = None
@@ -112,14 +85,8 @@ def attempt(
 class StudentCode(Mapping[str, Callable[..., Any]]):
     """A student's functions, each called with copies of arrays: ``student.paper_distance(pixels, view)``.
 
-    If a function is defined again in the notebook, the new definition is used from then on.
-
-    Attributes
-    ----------
-    running, last : str
-        Name of the function that is running or that failed, and of the last function that succeeded.
-    seconds : float
-        Total run time of the functions since `begin`.
+    If a function is defined again in the notebook, the new definition is used from then on. `running` is the function
+    that is running or that failed, `last` the last that succeeded, and `seconds` the total run time since `begin`.
     """
 
     def __init__(self, functions: Mapping[str, Callable[..., Any]]) -> None:
@@ -187,17 +154,8 @@ def _too_slow(what: str, error: BaseException, limit: float) -> str:
 class PrintedCopy(io.TextIOBase):
     """A text stream that keeps the end of its thread's output, because callbacks have no cell to print under.
 
-    Parameters
-    ----------
-    quiet : bool
-        Whether the output of its own thread is kept without being passed on.
-
-    Attributes
-    ----------
-    out : text stream
-        Stream that receives the output of other threads and, unless `quiet`, of its own thread.
-    over : bool
-        Whether the attempt has ended, so that no further text is kept.
+    `out` receives the output of other threads and, unless `quiet`, of its own thread. After `over`, no further text is
+    kept.
     """
 
     def __init__(self, quiet: bool = False) -> None:

@@ -63,22 +63,8 @@ _CSS = """<style>.nao-sheet input { font-family: monospace; }
 def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
     """Parse a typed entry: numbers, symbols, + - * / and powers, and functions such as sin.
 
-    Parameters
-    ----------
-    typed : str
-        The entry, such as "-d*sin(theta)"; both r^2 and r**2 are powers.
-    symbols : mapping of str to sympy.Expr
-        Names that the entry may contain, with their meanings.
-
-    Returns
-    -------
-    sympy.Expr
-        The expression.
-
-    Raises
-    ------
-    ValueError
-        If the entry is not an expression; the message explains what to write instead.
+    Both r^2 and r**2 are powers; `symbols` maps the names that may occur to their meanings. Raise a ValueError that
+    explains what to write if it is not an expression.
     """
     text = typed.strip()
     for sign, meaning in _SIGNS.items():

@@ -20,17 +20,7 @@ RESERVED = frozenset({"rng", "keys", "values", "items", "get"})  # names that `V
 
 @dataclass(frozen=True)
 class Control(ABC):
-    """A control of a panel.
-
-    Parameters
-    ----------
-    name : str
-        Name in code: ``values.name``, ``panel.set(name=...)``.
-    label : str
-        Label on the panel.
-    tooltip : str
-        Explanation of the control.
-    """
+    """A control of a panel, with its name in code (``values.name``, ``panel.set(name=...)``), label and tooltip."""
 
     name: str
     label: str
@@ -437,10 +427,7 @@ class Action(Control):
 class Values(Mapping[str, Any]):
     """The values of a panel's controls: ``values.tilt`` or ``values["tilt"]``.
 
-    Attributes
-    ----------
-    rng : numpy.random.Generator
-        Random numbers, which depend only on the seed and the presses of buttons.
+    The random numbers of `rng` depend only on the seed and the presses of buttons.
     """
 
     def __init__(self, values: Mapping[str, Any], rng: np.random.Generator) -> None:

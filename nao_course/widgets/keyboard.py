@@ -41,25 +41,9 @@ def key_field(keys: Keys, words: str, more: str, placeholder: str, once: Collect
 
     JupyterLab does not act on keys in a text field (elsewhere "a" or "d d" would add or delete cells). ipywidgets has
     no key events, and arrow keys change no text, so the field has its own handler. On a page that forbids such
-    handlers, Tab and Enter still reach the buttons.
-
-    Parameters
-    ----------
-    keys : mapping of str to tuple of str
-        The keys of each button; a button NAME has the class ``nao-do-NAME``.
-    words : str
-        Tooltip of the field, which explains the keys.
-    more : str
-        Text that a screen reader reads after the tooltip.
-    placeholder : str
-        Text in the empty field.
-    once : collection of str
-        Buttons that a held key presses only once.
-
-    Returns
-    -------
-    str
-        Value for an HTML widget inside a box with the class ``nao-panel``.
+    handlers, Tab and Enter still reach the buttons. A button NAME has the class ``nao-do-NAME``. `words` is the field's
+    tooltip, `more` is read after it by a screen reader, and a held key presses the buttons in `once` only once. The
+    HTML belongs into a box with the class ``nao-panel``.
     """
     table = json.dumps({key: name for name, several in keys.items() for key in several})
     handler = html.escape(_HANDLER % (table, json.dumps(sorted(once)), REPEAT_CLASS, _REPEAT), quote=True)

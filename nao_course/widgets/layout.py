@@ -27,24 +27,10 @@ _CSS = """
 
 
 def lay_out(css: str, main: Any, side: list[Any], last: Any) -> Any:
-    """Return a panel's box.
+    """Return a panel's box with the class ``nao-panel``, whose groups `place_beside` moves.
 
-    Parameters
-    ----------
-    css : str
-        Further styles.
-    main : ipywidgets.Widget
-        The pictures.
-    side : list of ipywidgets.Widget
-        Groups of controls, tables and small pictures, which share the width below the pictures or stand under each
-        other beside them; a group with the class ``nao-empty`` takes no place.
-    last : ipywidgets.Widget
-        The status, below all groups.
-
-    Returns
-    -------
-    ipywidgets.VBox
-        Box with the class ``nao-panel``; `place_beside` moves its groups.
+    `side` are groups of controls, tables and small pictures, which share the width below the pictures or stand under
+    each other beside them; a group with the class ``nao-empty`` takes no place. `last` is the status below all of them.
     """
     main.add_class("nao-main")
     last.add_class("nao-last")

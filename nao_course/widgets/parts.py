@@ -68,14 +68,8 @@ name();"""
 class LabelledImage(anywidget.AnyWidget):
     """A picture with a text alternative, which the pictures of ipywidgets do not have.
 
-    Attributes
-    ----------
-    value : bytes
-        The file.
-    format : str
-        Its kind, such as "jpeg".
-    alt : str
-        The text alternative. A tooltip would need a description, without which ipywidgets shows no picture.
+    `value` is the file and `format` its kind, such as "jpeg". A tooltip would need a description, without which
+    ipywidgets shows no picture.
     """
 
     _esm = """
@@ -105,10 +99,7 @@ class LabelledImage(anywidget.AnyWidget):
 class RateLimited:
     """An action that runs at most once per `PERIOD`, however often it is requested.
 
-    Parameters
-    ----------
-    action : callable
-        Function without arguments; it reads the present state itself and raises nothing.
+    The action reads the present state itself and raises nothing.
     """
 
     def __init__(self, action: Callable[[], None]) -> None:
@@ -182,16 +173,9 @@ def status_box(
 ) -> str:
     """Return HTML with the latest message, which a screen reader also reads aloud.
 
-    Parameters
-    ----------
-    message, facts, printed : str
-        The latest message, the present state, and the text that the student's code printed.
-    kind : "", "alarm" or "finish"
-        Whether the message reports an error, or that everything is complete.
-    shows_where : bool
-        Whether to add that ``raise panel.error`` shows the line of the error.
-    board : str
-        The most important fact, on its own line.
+    `facts` is the present state, `kind` says whether the message reports an error or that everything is complete,
+    `shows_where` adds that ``raise panel.error`` shows the line of the error, `printed` is the text that the student's
+    code printed, and `board` is the most important fact, on its own line.
     """
     words = html.escape(message)
     if shows_where:

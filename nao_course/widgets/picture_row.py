@@ -63,25 +63,11 @@ class Place:
 
 
 class PictureRow:
-    """A row of pictures.
+    """A row of pictures, whose name stands in their text alternatives.
 
-    Parameters
-    ----------
-    name : str
-        Name of the pictures together, in their text alternatives.
-    heights : (int, int)
-        Smallest height of a picture beside others, and greatest height, px.
-
-    Attributes
-    ----------
-    widget : ipywidgets.Widget
-        The row.
-    places : list of Place
-        The places so far; the last ones may be hidden.
-    titles : tuple of str
-        Titles of the pictures that are shown.
-    ratio : float
-        Width of all of them side by side, divided by their height.
+    A picture beside others is at least the first of `heights` high, and at most the second, px. The last of the
+    `places` may be hidden; `titles` are the titles of the pictures that are shown, and `ratio` is their width side by
+    side, divided by their height.
     """
 
     def __init__(self, name: str, heights: tuple[int, int] = LARGE) -> None:
@@ -101,16 +87,8 @@ class PictureRow:
     ) -> None:
         """Show pictures under their titles.
 
-        Parameters
-        ----------
-        pictures : mapping of str to ndarray
-            Pixels by title.
-        figures : mapping of str to Drawing, optional
-            The figures among the pictures, by title.
-        missing : container of str
-            Titles of pictures that stand for others that could not be made.
-        drawn : container of str
-            Titles of pictures that are drawings, but no figures.
+        `figures` are the figures among them, `missing` the titles of pictures that replace others that could not be
+        made, and `drawn` the titles of drawings that are not figures.
         """
         self.titles, figures = tuple(pictures), figures or {}
         self.ratio = sum(pixels.shape[1] / pixels.shape[0] for pixels in pictures.values())

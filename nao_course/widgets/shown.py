@@ -59,18 +59,8 @@ def colour_key(colour: str) -> str:
 class Shown:
     """The results of one call of a panel's function.
 
-    Parameters
-    ----------
-    pictures : mapping of str to Pixels
-        RGB pixels (H, W, 3) by title, in order; figures are included.
-    drawings : mapping of str to Drawing
-        The figures among the pictures, by title.
-    tables : mapping of str to objects
-        Tables by title, in order; each has ``_repr_html_`` for a page and `repr` for a text.
-    legends : tuple of Legend
-        Legends of the pictures.
-    texts : tuple of str
-        Sentences.
+    By title and in order, it has RGB pictures (H, W, 3), figures included, the figures alone, and tables, which have
+    ``_repr_html_`` for a page and `repr` for a text.
     """
 
     pictures: Mapping[str, Pixels]
@@ -81,13 +71,7 @@ class Shown:
 
     @classmethod
     def of(cls, parts: Iterable[Any]) -> Shown:
-        """Sort a function's results by kind; a repeated title replaces the earlier result.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If a result cannot be shown.
-        """
+        """Sort a function's results by kind; a repeated title replaces the earlier result; refuse unknown kinds."""
         pictures: dict[str, Any] = {}
         tables: dict[str, Any] = {}
         legends, texts = [], []
@@ -114,19 +98,9 @@ class Shown:
 
     @course_style()
     def drawing(self, words: str, marks: Mapping[str, tuple[int, int]]) -> Drawing:
-        """Return it as one figure.
+        """Return the pictures side by side as one figure, or a single figure, with marks at pixels (u, v) by title.
 
-        Parameters
-        ----------
-        words : str
-            All of it for readers who cannot see it; what stands in the figure where there is no picture.
-        marks : mapping of str to (int, int)
-            Pixels (u, v) to mark, by the picture's title.
-
-        Returns
-        -------
-        Drawing
-            Pictures side by side; a single figure as it is.
+        `words` is the text alternative, and stands in the figure where there is no picture.
         """
         if len(self.drawings) == len(self.pictures) == 1 and not self.legends:
             (only,) = self.drawings.values()
@@ -173,17 +147,9 @@ def is_picture(shown: Any) -> bool:
 
 
 def as_picture(shown: Any) -> Pixels:
-    """Return a picture or a figure as RGB pixels (H, W, 3).
+    """Return a picture or a figure as RGB pixels (H, W, 3); refuse anything else with a TypeError or ValueError.
 
-    Parameters
-    ----------
-    shown : Drawing, Picture or array
-        Arrays: RGB (H, W, 3) or grey (H, W) of uint8, or bool (H, W).
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not a picture.
+    Arrays are RGB (H, W, 3) or grey (H, W) of uint8, or bool (H, W).
     """
     if isinstance(shown, Drawing):
         return _rendered(shown)

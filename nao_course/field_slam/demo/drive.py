@@ -45,20 +45,9 @@ Functions = Mapping[str, Callable[..., Any]]
 class Story:
     """The record of a drive, with one entry for each picture.
 
-    Parameters
-    ----------
-    frames : list of Frame
-        Pictures, with the true poses.
-    seen : list of Observation
-        Measurements of each picture.
-    odometry : list of Pose
-        Poses in the field frame that follow from the commanded motions alone.
-    estimates : mapping of str to list of Estimate
-        Estimates of each algorithm. The pictures of a stop are used together, in order of their compass.
-    vision : list of float
-        Seconds from the pixels of each picture to its observation.
-    slam : mapping of str to list of float
-        Seconds of each algorithm from the observations of a stop to its estimate, divided by its number of pictures.
+    Poses are in the field frame; `odometry` follows from the commanded motions alone. The pictures of a stop are used
+    together, in order of their compass. `vision` has the seconds from each picture's pixels to its observation, `slam`
+    the seconds of each algorithm from a stop's observations to its estimate, divided by the number of pictures.
     """
 
     frames: list[Frame] = field(default_factory=list)
@@ -85,20 +74,9 @@ def route(
 ) -> tuple[Iterator[Frame], int, Field]:
     """Return the pictures of a drive or walk, their number, and the field.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of the drive, or of the walk's odometry.
-    walk : Path, optional
-        Folder that contains ``amsterdam_2013``, or the folder of the walk itself. If it is given, the real pictures are
-        used instead of a simulated drive.
-    field : Path, optional
-        File of the field to drive on, as `Field.from_toml` takes it; by default the half field of 2012.
-
-    Raises
-    ------
-    ValueError
-        If both are given, or if the field's file is not valid or the field is too small.
+    `walk`, a folder with ``amsterdam_2013`` or of the walk itself, replaces the simulated drive by real pictures.
+    `field` is a file for `Field.from_toml`, by default the half field of 2012. Raise a ValueError if both are given, or
+    if the field is not valid or too small.
     """
     if walk is None:
         own = Field(2012) if field is None else Field.from_toml(field)
@@ -136,20 +114,8 @@ def see(
 ) -> Observation:
     """Make an observation from a picture with the student's functions and the library's detection of lines.
 
-    Parameters
-    ----------
-    functions : mapping of str to callable
-        Functions of `USES` by name, without the numbers of their lessons.
-    pixels : ndarray of uint8, shape (H, W, 3)
-        RGB picture.
-    view : CameraView
-        Assumed view of the camera.
-    farthest : float
-        Largest range of a measurement that is used, m.
-    joint : bool
-        Whether the observation is a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
-    rules : FieldDimensions
-        Dimensions of the field; the width of its lines, the colour and posts of its goals, and its circle are used.
+    The picture is RGB (H, W, 3); measurements beyond the range `farthest`, m, are not used. With `joint`, the
+    observation is a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
     """
     found = detect(functions, pixels, view, rules)
     return _measure(functions, found, view, rules, farthest, joint=joint)
@@ -165,20 +131,7 @@ def see_all(
     """Yield the observations of pictures in their order, and calibrate the camera on the way where that is needed.
 
     The first pictures of a camera that is not calibrated are held back. They are measured when the calibration is
-    certain enough, or when there is no further picture.
-
-    Parameters
-    ----------
-    functions : mapping of str to callable
-        Functions of `USES` by name, without the numbers of their lessons.
-    frames : iterable of Frame
-        Pictures of a drive or a walk.
-    calibration : CameraCalibration, optional
-        Estimate of the camera's offset, which is updated; a new one by default.
-    joint : bool
-        Whether each observation is a `Scene`, which also has the lines and the centre circle for a `JointUpdate`.
-    rules : FieldDimensions
-        Dimensions of the field; the width of its lines, the colour and posts of its goals, and its circle are used.
+    certain enough, or when there is no further picture. `calibration` is updated; `joint` is as in `see`.
     """
     calibration = calibration or CameraCalibration()
     waiting: list[tuple[Frame, Detections, float]] = []
@@ -250,19 +203,9 @@ def _measure(
 
 
 def demo_functions(slam: Sequence[str], notebooks: Path) -> Functions:
-    """Load the functions that the demo uses from the notebooks of a folder.
+    """Load the functions that the demo uses from the notebooks of a folder, the student's or the solutions.
 
-    Parameters
-    ----------
-    slam : sequence of "ekf" or "graph"
-        Algorithms that will run.
-    notebooks : Path
-        Folder with the student's notebooks, or with the solutions.
-
-    Raises
-    ------
-    ValueError
-        If functions are missing or do not pass their public checks. The message names them and says what to do.
+    Raise a ValueError that names the functions that are missing or fail their public checks, and says what to do.
     """
     found: dict[str, Callable[..., Any]] = {}
     missing: list[str] = []
@@ -287,24 +230,8 @@ def run_demo(
 ) -> Story:
     """Run the algorithms, independently of each other, over the pictures of a drive.
 
-    Parameters
-    ----------
-    functions : mapping of str to callable
-        Functions of `USES`, and the classes of the chosen algorithms.
-    frames : iterable of Frame
-        Pictures of a drive or a walk.
-    slam : sequence of "ekf" or "graph"
-        Algorithms that run.
-    joint : bool
-        Whether the EKF also uses the lines and the centre circle, and keeps several hypotheses: the student's filter in
-        a `JointUpdate` and `MultipleHypotheses`.
-    rules : FieldDimensions
-        Dimensions of the field; the width of its lines, the colour and posts of its goals, and its circle are used.
-
-    Returns
-    -------
-    Story
-        Record of the drive.
+    With `joint`, the EKF also uses the lines and the centre circle, and keeps several hypotheses: the student's filter
+    in a `JointUpdate` and `MultipleHypotheses`.
     """
     story = Story(estimates={name: [] for name in slam}, slam={name: [] for name in slam})
     algorithms: dict[str, SlamAlgorithm] = {}

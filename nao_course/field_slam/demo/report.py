@@ -99,13 +99,7 @@ def _milliseconds(seconds: Sequence[float]) -> dict[str, float]:
 
 
 def make_folder(folder: Path) -> Path:
-    """Make a folder and check that files can be written there, before a long calculation starts.
-
-    Raises
-    ------
-    ValueError
-        If the folder cannot be made or written to.
-    """
+    """Make a folder and raise a ValueError if no file can be written there, before a long calculation starts."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with TemporaryFile(dir=folder):

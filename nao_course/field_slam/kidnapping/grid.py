@@ -25,17 +25,9 @@ Area = tuple[tuple[float, float], tuple[float, float]]
 class PoseGrid:
     """Probabilities of poses on a grid.
 
-    Parameters
-    ----------
-    area : ((float, float), (float, float))
-        Lower left and upper right corner of the area, m in the map frame.
-    weights : ndarray, shape (4, nx, ny)
-        Probability of each cell with each of four headings, which are 90 degrees apart. Their sum is the probability
-        of the grid, which may be less than 1.
-    heading : float
-        First of the four headings, rad.
-    heading_sigma : float
-        Standard deviation of the heading if the quarter is known, rad; infinite before the first compass.
+    The area is its lower left and its upper right corner, m, map frame. The weights (4, nx, ny) are probabilities of
+    each cell with each of four headings, 90 degrees apart from `heading` (rad) on; their sum may be less than 1.
+    `heading_sigma` (rad) holds if the quarter is known, and is infinite before the first compass.
     """
 
     area: Area
@@ -63,15 +55,7 @@ class PoseGrid:
         return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
 
     def moved(self, motion: Motion, noise: FloatArray) -> PoseGrid:
-        """Return the grid after a motion.
-
-        Parameters
-        ----------
-        motion : Motion
-            Commanded motion.
-        noise : ndarray, shape (3, 3)
-            Covariance of its errors along, across and in turn, m^2 and rad^2.
-        """
+        """Return the grid after a motion with a covariance (3, 3) of errors along, across and in turn, m^2, rad^2."""
         sigma = float(np.hypot(np.sqrt(noise[0, 0]), np.radians(2) * abs(motion.distance))) / CELL
         weights = np.zeros_like(self.weights)
         if self.total > 0:
@@ -107,16 +91,9 @@ class PoseGrid:
         return np.reshape(layers, self.weights.shape)
 
     def best(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the most probable hypothesis.
+        """Return the most probable hypothesis: mean (3,), covariance (3, 3) and its cells (4, nx, ny).
 
-        Returns
-        -------
-        mean : ndarray, shape (3,)
-            Pose in the map frame, m and rad.
-        covariance : ndarray, shape (3, 3)
-            Covariance of the pose, m^2 and rad^2.
-        members : ndarray of bool, shape (4, nx, ny)
-            Cells that belong to the hypothesis: those near the mean with its heading.
+        The mean is in the map frame, m and rad, the covariance in m^2 and rad^2, and the cells are near the mean.
         """
         smooth = np.stack([gaussian_filter(layer, 1.0) for layer in self.weights])
         quarter = int(smooth.max(axis=(1, 2)).argmax())

@@ -42,19 +42,9 @@ COMPASS_GATE = 4.0  # standard deviations, between the compasses of two pictures
 class StopView:
     """What all pictures of a stop show together.
 
-    Parameters
-    ----------
-    heading, heading_sigma : float
-        Heading of the robot from the compass, known modulo 90 degrees, and its standard deviation, rad; infinite
-        without a compass.
-    points, covariances : ndarray, shape (k, 2) and (k, 2, 2)
-        Corners, posts and the circle's centre in the robot frame, m and m^2.
-    kinds : tuple of str
-        Kind of each point.
-    lines, line_covariances : ndarray, shape (m, 2) and (m, 2, 2)
-        A point of each line and its covariance, in the robot frame, m and m^2.
-    directions : ndarray, shape (m,)
-        Direction of each line, rad in the robot frame.
+    The heading from the compass is known modulo 90 degrees, rad, and its standard deviation is infinite without a
+    compass. Points (k, 2) with covariances (k, 2, 2) are corners, posts and the circle's centre; each line has a point
+    (m, 2) with covariance (m, 2, 2) and a direction (m,). All are in the robot frame, in m, m^2 and rad.
     """
 
     heading: float
@@ -133,16 +123,8 @@ class StopView:
 class KnownMap:
     """The map of a filter, as points and lines.
 
-    Parameters
-    ----------
-    points, covariances : ndarray, shape (n, 2) and (n, 2, 2)
-        Corners, posts and the circle's centre in the map frame, m and m^2.
-    kinds : tuple of str
-        Kind of each point.
-    axes : ndarray of int, shape (m,)
-        Axis of each line: 0 for x = c, and 1 for y = c.
-    places, variances : ndarray, shape (m,)
-        The c of each line and its variance, m and m^2.
+    Points (n, 2) with covariances (n, 2, 2) are corners, posts and the circle's centre, in the map frame, m and m^2.
+    The axis of each line (m,) is 0 for x = c and 1 for y = c, with c in `places` (m,), m, and its variance (m,), m^2.
     """
 
     points: FloatArray
@@ -175,27 +157,10 @@ class KnownMap:
 def log_likelihood(
     stop: StopView, known: KnownMap, heading: float, positions: FloatArray, smoothing: float, half_view: float
 ) -> FloatArray:
-    """Return the log-likelihood of a stop at some positions, relative to a stop with nothing but clutter.
+    """Return the log-likelihoods (N,) of a stop at positions (N, 2), relative to a stop with nothing but clutter.
 
-    Parameters
-    ----------
-    stop : StopView
-        Measurements of the stop.
-    known : KnownMap
-        Map.
-    heading : float
-        Heading of the robot in the map frame, rad.
-    positions : ndarray, shape (N, 2)
-        Positions of the robot in the map frame, m.
-    smoothing : float
-        Standard deviation of the position that the likelihood is averaged over, m.
-    half_view : float
-        Largest bearing at which the pictures of a stop show a landmark, rad.
-
-    Returns
-    -------
-    ndarray, shape (N,)
-        Log-likelihoods.
+    Positions (m) and heading (rad) are in the map frame. The likelihood is averaged over the position with the standard
+    deviation `smoothing`, m; `half_view` is the largest bearing at which pictures of a stop show a landmark, rad.
     """
     return _of_points(stop, known, heading, positions, smoothing, half_view) + _of_lines(
         stop, known, heading, positions, smoothing

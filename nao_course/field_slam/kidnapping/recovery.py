@@ -47,20 +47,9 @@ SLIPS, SLIP_FACTOR = 0.05, 3.0
 class _Belief:
     """The filter with its probability, and the grid with the remaining probability.
 
-    Parameters
-    ----------
-    slam : JointUpdate
-        The filter. While the robot is lost, its map is used and its pose is not.
-    trusted : JointUpdate
-        Copy of the filter from the last stop at which the robot was certainly not lost.
-    tracked : float
-        Probability that the filter is right; 0 while the robot is lost.
-    grid : PoseGrid
-        Probabilities of all other poses.
-    stops : int
-        Number of motions so far.
-    kidnappings : int
-        How often the robot has noticed that the filter's pose was wrong.
+    While the robot is lost, `tracked`, the probability that the filter is right, is 0, and only its map is used, not
+    its pose. `trusted` is a copy from the last stop at which the robot was certainly not lost, `stops` counts the
+    motions, and `kidnappings` how often the filter's pose was found to be wrong.
     """
 
     slam: JointUpdate
@@ -76,16 +65,9 @@ class KidnapRecovery(SlamAlgorithm):
 
     The pictures of a stop are used together when the next motion is commanded, the one with the most certain compass
     first, as `SurestFirst` does. While the robot is lost, its map does not change. A robot with an almost empty map
-    cannot notice a kidnapping. Stops without a compass are not tested, because the grid needs the heading.
-
-    Parameters
-    ----------
-    inner : JointUpdate
-        Filter. Nobody else may use it.
-    area : ((float, float), (float, float))
-        Lower left and upper right corner of the area where the robot can be, m in the map frame.
-    half_view : float
-        Largest bearing at which the pictures of a stop show a landmark, rad.
+    cannot notice a kidnapping. Stops without a compass are not tested, because the grid needs the heading. Nobody else
+    may use `inner`. `area` is the lower left and the upper right corner of where the robot can be, m in the map frame,
+    and `half_view` the largest bearing at which the pictures of a stop show a landmark, rad.
     """
 
     def __init__(self, inner: JointUpdate, area: Area = AREA, half_view: float = HALF_VIEW) -> None:

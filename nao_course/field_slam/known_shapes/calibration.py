@@ -56,20 +56,10 @@ class CameraCalibration:
 
     The sum of the offset and of the body's sway is the tilt of the camera in a picture. The likelihood of the tilt is
     smoothed by the sway, which gives the likelihood of the offset; the logarithms of all pictures are added up.
-
-    Parameters
-    ----------
-    sigmas : (float, float)
-        Standard deviations of the offset in pitch and roll before the first picture, rad.
-    sway : array_like, shape (2,) or (2, 2)
-        Standard deviations of the body's pitch and roll in one picture, rad, or their covariance, rad^2.
-
-    Attributes
-    ----------
-    mean : ndarray, shape (2,)
-        Offset of pitch and roll, rad; positive if the camera looks lower than assumed, or is rotated more to the right.
-    covariance : ndarray, shape (2, 2)
-        Covariance of the offset, rad^2.
+    `sigmas` are the prior standard deviations of the offset in pitch and roll, rad; `sway` has the standard deviations
+    (2,) of the body's pitch and roll in one picture, rad, or their covariance (2, 2), rad^2. The estimate is `mean`
+    (2,), rad, with `covariance` (2, 2), rad^2; it is positive if the camera looks lower than assumed, or is rotated
+    more to the right.
     """
 
     mean: FloatArray
@@ -107,16 +97,10 @@ class CameraCalibration:
         return np.asarray(R @ self.covariance @ R.T + self._sway)
 
     def update(self, lines: npt.ArrayLike, posts: npt.ArrayLike, view: CameraView) -> None:
-        """Update the offset with a picture.
+        """Update the offset with lines (N, 4), (u1, v1, u2, v2), and feet of posts (P, 2), (u, v), of a picture, px.
 
-        Parameters
-        ----------
-        lines : array_like, shape (N, 4)
-            Lines (u1, v1, u2, v2) in px, as `read_lines` returns them with `reading_view`.
-        posts : array_like, shape (P, 2)
-            Feet of goal posts (u, v) in px. Two of them are a goal; another number is not used.
-        view : CameraView
-            View of the camera by the joints, without the offset.
+        The lines are as `read_lines` returns them with `reading_view`. Two posts are a goal; another number is not
+        used. The view is the camera's by the joints, without the offset.
         """
         R = rotation_2d(view.yaw)  # the offset turns with the head, the sway does not
         sway = np.sqrt(np.diag(R @ self._sway @ R.T)) / STEP
@@ -150,16 +134,9 @@ def _smooth(values: FloatArray, sigmas: FloatArray) -> FloatArray:
 class _Lines:
     """N lines of a picture on the ground, for T tilts of the camera.
 
-    Parameters
-    ----------
-    direction, variance : ndarray, shape (T, N)
-        Direction, rad, and its variance, rad^2, in a frame that has the heading of the camera.
-    outlier : ndarray, shape (T, N)
-        Probability that a line is not one of the field's straight lines.
-    middle : ndarray, shape (T, N, 2)
-        Midpoints, m; NaN above the horizon.
-    length : ndarray, shape (T, N)
-        Lengths, m.
+    Each has a direction (T, N), rad, with a variance, rad^2, in a frame with the camera's heading, a length (T, N), m,
+    and a midpoint (T, N, 2), m, NaN above the horizon; `outlier` (T, N) is the probability that it is not one of the
+    field's straight lines.
     """
 
     direction: FloatArray

@@ -26,15 +26,9 @@ WORST_CONDITION = (
 
 
 class Circle(NamedTuple):
-    """A centre circle that was found in a picture.
+    """A circle with centre (x, y) in the robot frame, m, and its Jacobian (2, 2) for pitch and roll, m / rad.
 
-    Parameters
-    ----------
-    centre : ndarray, shape (2,)
-        Position (x, y) in the robot frame, m.
-    tilt_jacobian : ndarray, shape (2, 2)
-        Jacobian of the centre with respect to the errors of pitch and roll, m / rad. The errors count as positive if
-        the assumed tilt is too small.
+    The errors of pitch and roll count as positive if the assumed tilt is too small.
     """
 
     centre: FloatArray
@@ -45,21 +39,9 @@ def find_circle(lines: npt.ArrayLike, view: CameraView, radius: float = RADIUS) 
     """Find the centre circle, whose radius is known from the rules.
 
     Each segment suggests two possible centres, one on either side. The place with the most votes, weighted by length,
-    is then refined by Gauss-Newton steps, which minimise the distances of the segments from the circle.
-
-    Parameters
-    ----------
-    lines : array_like, shape (N, 4)
-        Lines as returned by `read_lines`, px.
-    view : CameraView
-        View of the camera, corrected by the body tilt.
-    radius : float
-        Radius of the field's centre circle, m; 0 if there is none.
-
-    Returns
-    -------
-    Circle or None
-        None if fewer than three segments agree, or if they do not determine the centre well enough.
+    is then refined by Gauss-Newton steps, which minimise the distances of the segments from the circle. Lines (N, 4)
+    are as returned by `read_lines`, px; the view is corrected by the body tilt; the radius is in m, and 0 if the field
+    has no circle. Return None if fewer than three segments agree, or if they do not determine the centre well enough.
     """
     ground = to_ground(np.asarray(lines, dtype=float).reshape(-1, 2), view).reshape(-1, 2, 2) + view.offset
     along, midpoint = ground[:, 1] - ground[:, 0], ground.mean(axis=1)

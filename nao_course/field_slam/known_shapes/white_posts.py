@@ -23,21 +23,9 @@ def as_goal_colour(labels: Labels, view: CameraView, dimensions: FieldDimensions
 
     Lines are below the horizon. White walls and furniture reach above it, as posts do, but they are beyond the carpet,
     so that no carpet is visible behind their lower ends. The width of a post also fits the row of its foot, because
-    both are inversely proportional to the distance.
-
-    Parameters
-    ----------
-    labels : ndarray of uint8, shape (H, W)
-        Labels of lesson 01: 0 other, 1 green, 2 yellow, 3 white.
-    view : CameraView
-        Assumed view of the camera.
-    dimensions : FieldDimensions
-        Dimensions of the field, of which the diameter of the posts and the border behind them are used.
-
-    Returns
-    -------
-    ndarray of uint8, shape (H, W)
-        Labels, in which 2 means a white post.
+    both are inversely proportional to the distance. The labels (H, W) are as in lesson 01: 0 other, 1 green, 2
+    yellow, 3 white; in the result, 2 is a white post. Of the dimensions, the diameter of the posts and the border
+    behind them are used.
     """
     scale = view.size[0] / 320
     horizon = view.centre[1] - view.focal[1] * np.tan(view.pitch)

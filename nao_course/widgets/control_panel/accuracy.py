@@ -28,18 +28,10 @@ _SIZES: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Accuracy:
-    """The accuracy of an estimated pose.
+    """The accuracy of an estimated pose: the distance from the true position, m, and the NEES of its `degrees` values.
 
-    Parameters
-    ----------
-    error : float or None
-        Distance from the true position, m; None if the truth is hidden.
-    radius : float or None
-        Longest half axis of the position's 95 % ellipse, m; None without a valid covariance.
-    nees : float or None
-        Normalised estimation error squared of all values with a variance; None if it cannot be computed.
-    degrees : int
-        Number of these values.
+    `radius` is the longest half axis of the position's 95 % ellipse, m. Each is None if it cannot be computed or the
+    truth is hidden; values without a variance do not count.
     """
 
     error: float | None = None
@@ -63,14 +55,9 @@ class Accuracy:
 
 
 def accuracy(estimate: Estimate | Pose, truth: Pose | None) -> Accuracy:
-    """Return the accuracy of an estimate, or of a pose without a covariance.
+    """Return the accuracy of an estimate, or of a pose without a covariance, in world coordinates.
 
-    Parameters
-    ----------
-    estimate : Estimate or Pose
-        In world coordinates.
-    truth : Pose or None
-        The true pose; None if it must not be shown.
+    The truth is None if it must not be shown.
     """
     pose = estimate if isinstance(estimate, Pose) else estimate.pose
     errors = None if truth is None else pose_errors(pose.as_array(), truth.as_array())
@@ -103,8 +90,6 @@ def _is_covariance(matrix: FloatArray) -> bool:
 def say_length(metres: float) -> str:
     """Return a length in centimetres, or from a metre on in metres.
 
-    Examples
-    --------
     >>> say_length(0.034), say_length(0.002), say_length(1.342)
     ('3 cm', '< 1 cm', '1.34 m')
     """
@@ -116,14 +101,7 @@ def say_length(metres: float) -> str:
 def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
     """Return three tiles: the error, the uncertainty, and whether they are consistent.
 
-    Parameters
-    ----------
-    shown : Accuracy
-        The accuracy.
-    has_truth : bool
-        Whether the panel has a truth, which the reader may choose to show.
-    estimated : bool
-        Whether an algorithm estimates the pose; otherwise it is the odometry's.
+    With `has_truth`, the reader may choose to show the truth; unless `estimated`, the pose is the odometry's.
     """
     hidden = "tick Show the truth" if has_truth else "this panel has no truth"
     whose = "estimate" if estimated else "odometry"

@@ -28,20 +28,8 @@ NOTHING: tuple[Measurement, ...] = ()
 
 
 def small_steps(motion: Motion) -> Iterator[Motion]:
-    """Divide a motion into equal small steps: first the distance, then the turn.
+    """Divide a motion into equal steps of at most `STEP` metres, then of at most `TURN_STEP` radians.
 
-    Parameters
-    ----------
-    motion : Motion
-        Distance in metres, turn in radians.
-
-    Yields
-    ------
-    Motion
-        Steps of at most `STEP` metres or `TURN_STEP` radians, which add up to the motion.
-
-    Examples
-    --------
     >>> len(list(small_steps(Motion(0.2, 0.0))))
     4
     """
@@ -54,53 +42,12 @@ def small_steps(motion: Motion) -> Iterator[Motion]:
 class Cockpit:
     """A robot with its pictures and paths and, optionally, a SLAM algorithm.
 
-    An error in the student's code becomes a message; a command never raises it.
-
-    Parameters
-    ----------
-    nao : SimulatedNao
-        The robot.
-    truth : Truth, optional
-        Truth about the same robot, for the map.
-    slam : SlamAlgorithm, optional
-        Algorithm that is given every motion, and the measurements of each call of `observe`.
-    measure : callable, optional
-        ``measure(pixels, view)`` returns a picture's measurements; by default ``nao.sense()`` is used.
-    start : Pose, optional
-        The odometry's origin in the world; by default the true start, and the field frame's origin without `truth`.
-    frame : Pose, optional
-        Pose in the world of the frame that `slam` maps in; by default `start`, so that the map begins at zeros.
-    time_limit : float
-        Seconds after which a call of the student's code is stopped.
-
-    Attributes
-    ----------
-    odometry, estimated : list of Pose
-        Paths in the world: the accumulated commands, and the poses that `slam` estimated.
-    estimate : Estimate or None
-        The latest estimate, in world coordinates.
-    seen : tuple of Measurement
-        Measurements from the robot's present pose.
-    pictures : dict of str to Picture
-        The latest picture of each camera.
-    outdated : set of str
-        Cameras whose latest picture is older than the robot's latest motion.
-    album : deque of Picture
-        Pictures that `take_picture` kept, the newest last.
-    frames : int
-        Number of all pictures taken, including live ones.
-    moves : int
-        Number of motions that were begun.
-    walked : float
-        Commanded length of all paths, m.
-    message : str
-        The latest message.
-    printed : str
-        The end of the text that the student's code printed during the latest command.
-    alarm : bool
-        Whether the message reports an error.
-    error : BaseException or None
-        The last exception of the student's code.
+    `slam` is given every motion, and the measurements of each call of `observe`: ``measure(pixels, view)``, by default
+    ``nao.sense()``. `start` is the odometry's origin in the world, by default the true start, or the field frame's
+    origin without `truth`; `frame`, by default `start`, is the pose in the world of the frame that `slam` maps in. The
+    paths and the estimate are in world coordinates, and `walked` is their commanded length, m. `outdated` are the
+    cameras whose latest picture is older than the latest motion. An error in the student's code, which is stopped after
+    `time_limit` seconds, becomes a message; a command never raises it.
     """
 
     def __init__(
@@ -143,13 +90,7 @@ class Cockpit:
     # --- commands ---
 
     def move(self, motion: Motion) -> bool:
-        """Move the robot by one small step and pass the motion to `slam`.
-
-        Returns
-        -------
-        bool
-            Whether the student's code succeeded; the robot has moved in any case.
-        """
+        """Move the robot by one small step, pass it to `slam`, and return whether the student's code succeeded."""
         done = self.nao.walk(motion.distance) if motion.distance else self.nao.turn(motion.turn)
         self.walked += abs(motion.distance)
         self.odometry.append(self.start @ self.nao.odometry)
@@ -193,13 +134,7 @@ class Cockpit:
         return picture
 
     def observe(self, camera: str = "bottom", size: tuple[int, int] = LIVE_SIZE) -> tuple[Measurement, ...]:
-        """Measure the landmarks that a camera sees, and pass the measurements to `slam`.
-
-        Returns
-        -------
-        tuple of Measurement
-            The measurements; empty if the student's code failed.
-        """
+        """Measure what a camera sees, pass it to `slam` and return it; nothing if the student's code failed."""
         self.seen, self.printed = NOTHING, ""
         seen = self._measured(camera, size)
         if seen is None:

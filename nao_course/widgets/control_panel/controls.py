@@ -129,35 +129,10 @@ panel.addEventListener('change', () => { if (mouse) setTimeout(take); });"""
 class Controls:
     """The control panel's widgets in one box.
 
-    Parameters
-    ----------
-    actions : mapping of str to callable
-        Action of each button, by the names in `KEYS`.
-    map_widget : ipywidgets.Widget
-        The map.
-    has_slam, has_truth : bool
-        Whether the panel has a SLAM algorithm, and a truth to show.
-    show_truth : bool
-        Whether the truth is shown at first, if the panel has it.
-    heading : str
-        HTML of a line above the other widgets.
-    has_views : bool
-        Whether functions of the student can draw over the picture.
-    drives : bool
-        Whether a function of the student chooses the robot's motions.
-
-    Attributes
-    ----------
-    widget : ipywidgets.Box
-        The box with all widgets.
-    camera, size, step, turn, show_truth : widgets with a value
-        The settings: a camera, pixels (width, height), metres, degrees, and whether the map shows the truth.
-    images, captions : dict of str to widget
-        Widgets of each camera.
-    numbers, status, facts : widgets with a value
-        HTML of the three numbers, of the latest message, and of everything else.
-    view : ipywidgets.Button or None
-        Button whose label is the present view.
+    `heading` is HTML above the other widgets, `has_views` means that functions of the student can draw over the
+    picture, and `drives` that one of them chooses the robot's motions. The settings `camera`, `size` (width, height) in
+    pixels, `step` in metres, `turn` in degrees and `show_truth` are widgets with a value; so are `numbers`, `status`
+    and `facts`, which hold HTML.
     """
 
     def __init__(

@@ -17,16 +17,8 @@ PERIOD = 0.04  # s between two steps of a drive: 25 pictures a second
 class MotionRunner:
     """Runs the motions of a panel's robot, one after the other.
 
-    Parameters
-    ----------
-    cockpit : Cockpit
-        The robot and the status message.
-    by_itself : callable
-        Returns the next motion while the robot drives by itself, or None.
-    refresh : callable
-        Called after each small step: takes new pictures and shows everything.
-    show_status : callable
-        Called when only the message has changed.
+    `by_itself` returns the next motion while the robot drives by itself, or None. `refresh` takes new pictures and
+    shows everything after each small step; `show_status` is called when only the message has changed.
     """
 
     def __init__(
@@ -53,13 +45,7 @@ class MotionRunner:
         return self._waiting.text()
 
     def run(self, motion: Motion) -> None:
-        """Run a motion to its end.
-
-        Raises
-        ------
-        ValueError
-            If the panel is closed.
-        """
+        """Run a motion to its end. Raise a ValueError if the panel is closed."""
         if self.closed:
             raise ValueError(
                 "this panel is closed, because a newer panel drives this robot: use the newer panel"

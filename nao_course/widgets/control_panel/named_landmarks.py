@@ -16,16 +16,8 @@ from nao_course.slam import Motion
 class NamedMeasurements(NamedTuple):
     """The landmarks in a picture, measured by the simulator.
 
-    Parameters
-    ----------
-    numbers : list of int
-        Index of each landmark in the field's `detectable` landmarks.
-    measurements : ndarray, shape (n, 2)
-        Bearing (rad) and range (m) of each landmark.
-    covariances : ndarray, shape (n, 2, 2)
-        Covariance of each measurement.
-    pixels : list of (float, float)
-        Pixel (u, v) of each landmark in the picture.
+    `numbers` index the field's `detectable` landmarks; measurements (n, 2) are bearing (rad) and range (m) with
+    covariances (n, 2, 2), and `pixels` are (u, v) in the picture.
     """
 
     numbers: list[int]
@@ -70,21 +62,8 @@ def measure_by_name(
 class FollowedRobot:
     """A filter that follows the robot of a panel, with known landmark correspondences.
 
-    Parameters
-    ----------
-    slam : NamedEkf
-        The filter before the first command.
-    nao : SimulatedNao
-        The robot.
-    reach : float
-        Largest range that is measured, m.
-    seed : int
-        Seed of the measurements' noise.
-
-    Attributes
-    ----------
-    slam : NamedEkf
-        The filter after the last picture.
+    `slam` is the filter after the last picture, at first before the first command; landmarks are measured up to
+    `reach`, m.
     """
 
     def __init__(self, slam: NamedEkf, nao: SimulatedNao, reach: float, seed: int) -> None:
@@ -95,10 +74,7 @@ class FollowedRobot:
     def follow(self, view: CameraView) -> tuple[NamedMeasurements, float]:
         """Predict with the new commands and update with one picture; if this raises an error, the filter stays.
 
-        Returns
-        -------
-        NamedMeasurements, float
-            The measurements of the picture, and the distance of the new commands, m.
+        Return the measurements of the picture, and the distance of the new commands, m.
         """
         slam, commands = self.slam.copy(), new_commands(self._nao, self._done)
         for command in commands:

@@ -153,18 +153,9 @@ class Stage:
 class Seen:
     """The results of all stages for one picture.
 
-    Parameters
-    ----------
-    overlays : mapping of str to Overlay
-        Overlay of each stage that succeeded, by the stage's name.
-    complaints : tuple of str
-        Why each of the other stages failed, in one sentence each.
-    error : BaseException or None
-        The last exception of the student's code.
-    printed : str
-        The end of the text that the student's code printed.
-    seconds : float
-        Processor time of the student's code, the median of the latest pictures.
+    `overlays` has the stages that succeeded by name, `complaints` a sentence on why each of the others failed. `error`
+    and `printed` are the last exception of the student's code and the end of its printed text, and `seconds` is its
+    processor time, the median of the latest pictures.
     """
 
     overlays: Mapping[str, Overlay] = field(default_factory=dict)

@@ -28,22 +28,8 @@ WORLD_SIZE = (480, 340)  # px
 class Screen:
     """The display of a control panel.
 
-    Parameters
-    ----------
-    cockpit : Cockpit
-        The robot, its pictures and its paths.
-    controls : Controls
-        The widgets.
-    own : StudentView
-        The results of the student's functions.
-    field_map : VectorMap
-        The map.
-    names : mapping of str to str
-        Name of each path in the map's legend, by its source.
-    source : "ekf" or "graph"
-        Source whose colours the estimate has.
-    waiting : callable
-        Returns a sentence about the motions that still wait.
+    `names` has each path's name in the map's legend by its source, and the estimate has the colours of `source`.
+    `waiting` returns a sentence about the motions that still wait.
     """
 
     def __init__(

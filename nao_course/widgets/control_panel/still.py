@@ -34,18 +34,7 @@ def draw_still(
 ) -> Drawing:
     """Draw the cameras' pictures, one below the other, beside the map.
 
-    Parameters
-    ----------
-    pictures : mapping of str to ndarray of uint8, shape (H, W, 3)
-        Pixels of each place, by its title.
-    field : Field
-        The field.
-    contents : MapContents
-        The map's contents.
-    names : mapping of str to str
-        Names for the legend, by source. The estimate has the colours of the last source.
-    alt : str
-        Text alternative of the figure.
+    The pictures (H, W, 3) are by title, and `names` for the legend by source; the estimate has the colours of the last.
     """
     figure = Figure(figsize=(9.6, 5.4))
     grid = figure.add_gridspec(len(pictures), 2, width_ratios=(1.0, 1.25))

@@ -14,19 +14,8 @@ class StudentView:
     """The results of the student's functions for the pictures, and where the panel shows them.
 
     Each picture is processed once. Another view of it shows the same results, because a filter that is updated twice
-    with one picture becomes overconfident.
-
-    Parameters
-    ----------
-    pipeline : Pipeline or None
-        The student's functions; None without any.
-
-    Attributes
-    ----------
-    latest : Seen
-        Results for the picture that was processed last: the estimate, the next motion and the messages.
-    path : list of Pose
-        The estimated poses, oldest first.
+    with one picture becomes overconfident. `latest` are the results for the picture that was processed last, and `path`
+    the estimated poses, oldest first.
     """
 
     def __init__(self, pipeline: Pipeline | None) -> None:

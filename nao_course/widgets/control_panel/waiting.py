@@ -16,10 +16,7 @@ MOST_WAITING = 6  # motions; a longer queue would be a key that is held, not qui
 class WaitingMotions:
     """A queue of motions that can describe its contents.
 
-    Attributes
-    ----------
-    by_itself : bool
-        Whether the robot drives by itself: an empty queue then takes the next motion from the student's code.
+    While the robot drives `by_itself`, an empty queue takes the next motion from the student's code.
     """
 
     def __init__(self, next_motion: Callable[[], Motion | None] = lambda: None) -> None:
@@ -65,8 +62,6 @@ class WaitingMotions:
 def in_words(motion: Motion) -> str:
     """Describe a motion in a few words.
 
-    Examples
-    --------
     >>> in_words(Motion(0.2, 0.0))
     'Walk 0.20 m ahead'
     """

@@ -152,18 +152,7 @@ class FilmPanel:
 
 
 class RecordedFilm:
-    """A film that the course ships.
-
-    Parameters
-    ----------
-    name : str
-        One of `nao_course.films.recorded_names`.
-
-    Raises
-    ------
-    ValueError
-        If there is no such film.
-    """
+    """A film that the course ships, one of `nao_course.films.recorded_names`; another name raises a ValueError."""
 
     def __init__(self, name: str) -> None:
         """Read the film."""

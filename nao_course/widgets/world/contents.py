@@ -48,22 +48,9 @@ class Ray:
 class WorldContents:
     """What a view of the world shows at one time.
 
-    Parameters
-    ----------
-    truth : Pose or None
-        True pose of the robot in the world frame.
-    estimate : Estimate or None
-        Estimate in the world frame, whose robot is translucent.
-    head : (float, float)
-        Yaw and pitch of the head, rad; positive to the left and down.
-    tilt : (float, float)
-        Pitch and roll of the true robot's body, rad; positive to the front and to the right.
-    pictures : mapping of str to ndarray of uint8, shape (H, W, 3)
-        Latest picture of each camera.
-    rays : tuple of Ray
-        Rays from the cameras.
-    paths : mapping of str to ndarray, shape (N, 2)
-        Positions, m, by source.
+    Poses are in the world frame, and the estimate's robot is translucent. `head` is yaw and pitch, rad, positive to the
+    left and down; `tilt` is pitch and roll of the true body, rad, positive to the front and to the right. Each camera
+    has its latest picture (H, W, 3), and each path by its source positions (N, 2), m.
     """
 
     truth: Pose | None = None

@@ -17,24 +17,10 @@ ROWS, COLUMNS = 8, 12
 class Shape:
     """A superellipsoid on a link of the robot.
 
-    Parameters
-    ----------
-    link : str
-        Name of the link.
-    colour : str
-        Colour, such as "#ffffff".
-    centre : (float, float, float)
-        Centre in the link's frame, m.
-    size : (float, float, float)
-        Whole lengths along its own axes, m.
-    square : (float, float)
-        Squareness of the outline seen from the side and from above: 1 is round, 0.3 is a box with rounded edges.
-    taper : (float, float)
-        Lengths along x and y at the top in proportion to the bottom.
-    turned : (float, float, float)
-        Yaw, pitch and roll of its own axes in the link's frame, rad.
-    shift : float
-        How far the top is moved ahead of the bottom, m.
+    `centre`, m, and `turned`, yaw, pitch and roll of its own axes, rad, are in the link's frame; `size` has the whole
+    lengths along its own axes, m. `square` is the squareness of the outline from the side and from above: 1 is round,
+    0.3 a box with rounded edges. `taper` has the lengths along x and y at the top in proportion to the bottom, and
+    `shift` moves the top ahead, m.
     """
 
     link: str

@@ -36,26 +36,7 @@ _ROD_SIDES = 12
 def render_world(
     scene: WorldScene, contents: WorldContents, viewpoint: Viewpoint, source: str, size: tuple[int, int]
 ) -> Pixels:
-    """Render a scene as a picture.
-
-    Parameters
-    ----------
-    scene : WorldScene
-        The parts that do not move.
-    contents : WorldContents
-        The parts that move.
-    viewpoint : Viewpoint
-        The place from which the scene is seen.
-    source : str
-        Source of the estimate.
-    size : (int, int)
-        Width and height, px.
-
-    Returns
-    -------
-    ndarray of uint8, shape (H, W, 3)
-        RGB picture.
-    """
+    """Render a scene and what moves in it as an RGB picture (H, W, 3) of (width, height) px."""
     width, height = (SUPERSAMPLING * each for each in size)
     canvas = Canvas(viewer(contents, viewpoint), (width, height))
     canvas.flat(_raised(scene.floor, 0.0)[None], FLOOR)

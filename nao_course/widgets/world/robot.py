@@ -26,18 +26,10 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid part of the robot and the joint that carries it.
+    """A rigid part of the robot, named after the joint that carries it.
 
-    Parameters
-    ----------
-    name : str
-        Name of the joint, which is also the name of the link that it moves.
-    parent : str
-        Name of the link that the joint is on; "" for the torso, whose parent is the robot frame.
-    origin : (float, float, float)
-        Position of the joint in the parent's frame, m.
-    axis : (float, float, float)
-        Axis of the joint; a positive angle turns counterclockwise about it.
+    The joint is on the link `parent`, "" for the torso, whose parent is the robot frame, at `origin` in the parent's
+    frame, m; a positive angle turns counterclockwise about `axis`.
     """
 
     name: str
@@ -76,21 +68,10 @@ def links(model: NaoModel = NAO_V4) -> tuple[Link, ...]:
 def posture(
     head: tuple[float, float] = (0.0, 0.0), phase: float | None = None, model: NaoModel = NAO_V4
 ) -> dict[str, float]:
-    """Return the angles of the joints, rad.
+    """Return the angles, rad, of the joints that are not at zero.
 
-    Parameters
-    ----------
-    head : (float, float)
-        Yaw and pitch of the head, rad; positive to the left and down.
-    phase : float, optional
-        Phase of the walk, rad; 2 pi is one cycle of two steps. By default, the robot stands with bent knees.
-    model : NaoModel
-        The robot's dimensions.
-
-    Returns
-    -------
-    dict of str to float
-        Angle of each joint that is not at zero.
+    `head` is yaw and pitch, rad, positive to the left and down; `phase` is the phase of the walk, rad, where 2 pi is a
+    cycle of two steps. Without a phase, the robot stands with bent knees.
     """
     angles = {"HeadYaw": head[0], "HeadPitch": head[1]}
     for side, sign, shift in (("L", 1.0, 0.0), ("R", -1.0, np.pi)):
@@ -135,27 +116,11 @@ def _leg(ahead: float, up: float, model: NaoModel) -> tuple[float, float]:
 def forward_kinematics(
     angles: Mapping[str, float], model: NaoModel = NAO_V4, tilt: tuple[float, float] = (0.0, 0.0)
 ) -> Mapping[str, FloatArray]:
-    """Return the pose of each link in the robot frame.
+    """Return matrices (4, 4) that transform homogeneous points, m, from each link's frame to the robot frame.
 
-    Parameters
-    ----------
-    angles : mapping of str to float
-        Angles of the joints, rad; joints without an entry are at zero.
-    model : NaoModel
-        The robot's dimensions.
-    tilt : (float, float)
-        Pitch and roll of the whole body about the point on the ground below it, rad; positive to the front and to the
-        right, as in `NaoModel.view`.
-
-    Returns
-    -------
-    mapping of str to ndarray, shape (4, 4)
-        Homogeneous matrices that transform points from the link's frame to the robot frame, m.
-
-    Raises
-    ------
-    ValueError
-        If there is no joint of that name, or an angle is not finite.
+    Joints without an angle, rad, are at zero. `tilt` is pitch and roll of the whole body about the point on the ground
+    below it, rad, positive to the front and to the right, as in `NaoModel.view`. An unknown joint or an angle that is
+    not finite raises a ValueError.
     """
     chain = links(model)
     if unknown := set(angles) - {link.name for link in chain}:

@@ -70,16 +70,9 @@ class Viewpoint:
 class Wall:
     """A painted upright plane of the room, which is seen from inside only.
 
-    Parameters
-    ----------
-    corner : ndarray, shape (3,)
-        Upper corner at the first column, m.
-    across, down : ndarray, shape (3,)
-        Vectors along the whole upper edge, and from the upper edge to the lower one, m.
-    inwards : ndarray, shape (3,)
-        Unit vector into the room.
-    paint : ndarray of uint8, shape (rows, columns, 4)
-        RGB and opacity.
+    `corner` (3,) is the upper corner at the first column, m; `across` and `down` (3,) run along the whole upper edge
+    and from it to the lower one, m; `inwards` (3,) is a unit vector into the room, and `paint` (rows, columns, 4) is
+    RGB and opacity.
     """
 
     corner: FloatArray
@@ -93,14 +86,7 @@ class Wall:
 class WorldScene:
     """The field, its room and the robot, with everything that the browser needs once.
 
-    Parameters
-    ----------
-    field : Field
-        The field.
-    reality : Reality
-        Appearance, of which the room's seed and amount of furniture are used.
-    model : NaoModel
-        The robot's dimensions.
+    Of `reality`, the room's seed and amount of furniture are used.
     """
 
     field: Field
