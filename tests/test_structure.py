@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import re
 import subprocess
 import sys
 import warnings
@@ -427,7 +428,16 @@ def public_definitions(inside: ast.AST) -> Iterator[Definition]:
 
 def answers_in(source: str) -> list[str]:
     defined = {node.name for node in public_definitions(ast.parse(source))}
-    return sorted(defined & (EXERCISES - NEEDED_BY_THE_WORLD))
+    return sorted(defined & (EXERCISES | entries_of_challenges()) - NEEDED_BY_THE_WORLD)
+
+
+@cache
+def entries_of_challenges() -> frozenset[str]:
+    """Return the names of the functions that the lessons enter for their challenges."""
+    texts = (path.read_text(encoding="utf-8") for path in sorted((PROJECT / "solutions").glob("*.md")))
+    return frozenset(
+        name for text in texts for name in re.findall(r'challenge\("\d\d"\)\.enter\((\w+)', text)
+    )
 
 
 def without_docstring(source: str) -> list[str]:
@@ -446,15 +456,15 @@ def is_told_elsewhere(node: Definition) -> bool:
     return bool(names & {"setter", "deleter", "overload"})
 
 
-def test_the_library_defines_nothing_that_is_an_exercise():
+def test_the_library_defines_nothing_that_is_an_exercise_or_an_entry_of_a_challenge():
     found = {name: answers_in(source) for name, source in sources().items()}
     assert {name: answers for name, answers in found.items() if answers} == {}
 
 
 def test_an_answer_in_the_library_is_found_out():
-    broken = "if True:\n    def kalman_update(x): ...\nclass EkfSlam: ..."
+    broken = "if True:\n    def kalman_update(x): ...\nclass EkfSlam: ...\ndef tilt_from_lines(lines): ..."
     fine = "class Panel:\n    def update(self): ...\ndef _fuse(): ...\ndef nees(): ..."
-    assert answers_in(broken) == ["EkfSlam", "kalman_update"]
+    assert answers_in(broken) == ["EkfSlam", "kalman_update", "tilt_from_lines"]
     assert answers_in(fine) == []
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import ROOT, Result, Table, in_processes
-from nao_course.field_slam.compass import tilt_from_lines
+from nao_course.field_slam.compass import estimate_body_tilt
 from nao_course.field_slam.demo import drive as demo
 from nao_course.field_slam.demo import report
 from nao_course.field_slam.drives import Shot, drive_over_field
@@ -46,7 +46,7 @@ def detections(functions: demo.Functions, field: Field, shots: Iterable[Shot]) -
     for shot in shots:
         pixels, view = shot.picture.pixels, shot.picture.view
         found = demo.detect(functions, pixels, view, rules)
-        tilt = tilt_from_lines(found.lines, view)
+        tilt = estimate_body_tilt(found.lines, view)
         corners = corners_of_lines(found.lines, tilted(view, tilt.pitch, tilt.roll))
         matches["corners"].append(_match(shot, field, corners, "corner"))
         if len(field.posts):

@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks import solution
 from benchmarks.field.detections import LANDMARKS, Seen
 from nao_course.field_slam.association import associate_jointly
-from nao_course.field_slam.compass import LEAST_LENGTH, LEAST_SUPPORT, BodyTilt, tilt_from_lines
+from nao_course.field_slam.compass import LEAST_LENGTH, LEAST_SUPPORT, BodyTilt, estimate_body_tilt
 from nao_course.field_slam.hypotheses import MultipleHypotheses
 from nao_course.field_slam.joint_update import JointUpdate, scene
 from nao_course.field_slam.lines import corners_of_lines
@@ -54,7 +54,9 @@ class Read:
     @classmethod
     def of(cls, seen: Seen, least_support: float = LEAST_SUPPORT, least_length: float = LEAST_LENGTH) -> Read:
         """Estimate the tilt from the lines, and find the corners where they meet, as the demo does."""
-        tilt = tilt_from_lines(seen.lines, seen.view, least_support=least_support, least_length=least_length)
+        tilt = estimate_body_tilt(
+            seen.lines, seen.view, least_support=least_support, least_length=least_length
+        )
         level = tilted(seen.view, tilt.pitch, tilt.roll)
         return cls(seen, tilt, level, corners_of_lines(seen.lines, level))
 

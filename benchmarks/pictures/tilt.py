@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks import Result, Table
 from benchmarks.simulator.reality import Freedom, corrected_walk, fit_set, fitted_view
 from nao_course.datasets import RealPicture, read_pictures
-from nao_course.field_slam.compass import tilt_from_lines
+from nao_course.field_slam.compass import estimate_body_tilt
 from nao_course.field_slam.lines import read_lines, to_ground
 from nao_course.field_slam.observation import tilted
 from nao_course.geometry import FloatArray
@@ -32,7 +32,7 @@ RANGES = ((1.5, 2.5), (2.5, 3.5), (3.5, 5.5))  # m
 
 def corrected(pixels: Any, believed: CameraView) -> tuple[CameraView, float]:
     """Return the view that a picture's lines tell, and the standard deviation of its pitch, rad."""
-    found = tilt_from_lines(read_lines(pixels, believed), believed, SIGMAS)
+    found = estimate_body_tilt(read_lines(pixels, believed), believed, SIGMAS)
     return tilted(believed, found.pitch, found.roll), float(np.sqrt(found.covariance[0, 0]))
 
 

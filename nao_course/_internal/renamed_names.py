@@ -12,7 +12,7 @@ RENAMED = {
     "FieldOdometry": "OdometryNoisePerMove",
     "whole_picture": "joint_update",
     "WholePicture": "JointUpdate",
-    "lean_from_lines": "tilt_from_lines",
+    "lean_from_lines": "estimate_body_tilt",
     ".about": ".linearised_at",
     ".apart": ".decorrelated",
 }

@@ -74,7 +74,7 @@ def reading_density(innovation: float, variance: npt.ArrayLike, outliers: float 
     return np.asarray((1 - outliers) * gaussian + outliers / QUARTER)
 
 
-def tilt_from_lines(
+def estimate_body_tilt(
     lines: npt.ArrayLike,
     view: CameraView,
     sigmas: npt.ArrayLike = TILT_SIGMAS,

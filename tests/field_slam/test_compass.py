@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nao_course.field_slam.compass import support, tilt_from_lines, wrap_quarter
+from nao_course.field_slam.compass import estimate_body_tilt, support, wrap_quarter
 from nao_course.field_slam.observation import TILT_SIGMAS, tilted
 from nao_course.geometry import Pose
 from nao_course.sim import Field
@@ -31,13 +31,13 @@ def lines_in(view, pose: Pose) -> np.ndarray:
 @pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.02, -0.01), (-0.03, 0.012)])
 def test_exact_lines_give_the_tilt_and_the_heading(tilt):
     true = tilted(VIEW, *tilt)
-    found = tilt_from_lines(lines_in(true, POSE), replace(VIEW, k1=0.0))
+    found = estimate_body_tilt(lines_in(true, POSE), replace(VIEW, k1=0.0))
     assert abs(wrap_quarter(found.direction + POSE.theta)) < np.radians(0.3)
     assert (found.pitch, found.roll) == pytest.approx(tilt, abs=np.radians(0.25))
 
 
 def test_without_lines_the_tilt_keeps_the_covariance_of_the_prior():
-    found = tilt_from_lines(np.zeros((0, 4)), VIEW)
+    found = estimate_body_tilt(np.zeros((0, 4)), VIEW)
     assert (found.pitch, found.roll) == (0.0, 0.0)
     assert np.degrees(np.sqrt(found.covariance[0, 0])) == pytest.approx(1.3)
 
@@ -45,13 +45,13 @@ def test_without_lines_the_tilt_keeps_the_covariance_of_the_prior():
 def test_a_prior_may_be_given_as_a_covariance():
     lines, view = lines_in(tilted(VIEW, 0.02, -0.01), POSE), replace(VIEW, k1=0.0)
     as_sigmas, as_covariance = (
-        tilt_from_lines(lines, view),
-        tilt_from_lines(lines, view, np.diag(np.square(TILT_SIGMAS))),
+        estimate_body_tilt(lines, view),
+        estimate_body_tilt(lines, view, np.diag(np.square(TILT_SIGMAS))),
     )
     assert as_covariance.pitch == pytest.approx(as_sigmas.pitch)
     assert np.allclose(as_covariance.covariance, as_sigmas.covariance)
     correlated = np.array([[4e-4, 2e-4], [2e-4, 3e-4]])
-    assert np.allclose(tilt_from_lines(np.zeros((0, 4)), view, correlated).covariance[:2, :2], correlated)
+    assert np.allclose(estimate_body_tilt(np.zeros((0, 4)), view, correlated).covariance[:2, :2], correlated)
 
 
 def piece_of_circle(view) -> np.ndarray:
@@ -66,7 +66,7 @@ def test_support_is_the_length_of_lines_that_agree_less_that_of_others():
     view = replace(VIEW, k1=0.0)
     true = tilted(view, 0.04, -0.02)
     lines = lines_in(true, POSE)
-    tilt = tilt_from_lines(lines, view)
+    tilt = estimate_body_tilt(lines, view)
     ends = [ground(lines[:, k : k + 2], true) for k in (0, 2)]
     metres = [np.column_stack([r * np.cos(b), r * np.sin(b)]) for b, r in (each.T for each in ends)]
     length = np.linalg.norm(metres[1] - metres[0], axis=1).sum()
@@ -80,11 +80,11 @@ def test_a_piece_of_a_circle_is_no_compass_where_lines_must_agree():
     view = replace(VIEW, k1=0.0)
     piece, lines = piece_of_circle(view), lines_in(VIEW, POSE)
     never = float("-inf")
-    assert np.isfinite(tilt_from_lines(piece, view, least_support=never).direction_sigma)
-    asked = tilt_from_lines(piece, view)
+    assert np.isfinite(estimate_body_tilt(piece, view, least_support=never).direction_sigma)
+    asked = estimate_body_tilt(piece, view)
     assert np.isinf(asked.direction_sigma) and (asked.pitch, asked.roll) == (0.0, 0.0)
-    sure = tilt_from_lines(lines, view, least_support=never)
-    assert sure.direction == tilt_from_lines(lines, view).direction
+    sure = estimate_body_tilt(lines, view, least_support=never)
+    assert sure.direction == estimate_body_tilt(lines, view).direction
 
 
 @pytest.mark.parametrize("degrees", [15, 25])
@@ -94,5 +94,5 @@ def test_two_equal_lines_that_disagree_leave_the_direction_uncertain_by_half_the
     middle = 1.2 * np.array([np.cos(view.yaw), np.sin(view.yaw)])
     ends = [middle + length * way for way in ways for length in (-0.3, 0.3)]
     lines = view.project(np.array(ends)).reshape(2, 4)
-    found = tilt_from_lines(lines, view, least_support=float("-inf"))
+    found = estimate_body_tilt(lines, view, least_support=float("-inf"))
     assert np.degrees(np.sqrt(found.covariance[2, 2])) == pytest.approx(degrees / 2, rel=0.1)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nao_course.field_slam.association import associate_jointly
-from nao_course.field_slam.compass import BodyTilt, tilt_from_lines, wrap_quarter
+from nao_course.field_slam.compass import BodyTilt, estimate_body_tilt, wrap_quarter
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import (
     INTERNAL,
@@ -142,12 +142,12 @@ def test_a_short_piece_bends_no_compass():
     """A tilt of a degree or two would make it perpendicular to the long line, but it is a segment of the circle."""
     view = VIEW
     long = view.project(np.array([(1.4, -0.7), (1.4, 0.7)])).reshape(1, 4)
-    alone = tilt_from_lines(long, view)
+    alone = estimate_body_tilt(long, view)
     for length in (0.25, 0.15):
         for degrees in (80.0, 83.0, 97.0):
             way = length / 2 * np.array([np.cos(np.radians(degrees - 90)), np.sin(np.radians(degrees - 90))])
             piece = view.project(np.array([(1.1, 0.2) - way, (1.1, 0.2) + way])).reshape(1, 4)
-            both = tilt_from_lines(np.vstack([long, piece]), view)
+            both = estimate_body_tilt(np.vstack([long, piece]), view)
             assert both.direction == pytest.approx(alone.direction) and both.pitch == pytest.approx(
                 alone.pitch
             )
@@ -157,7 +157,7 @@ def test_of_lines_that_contradict_each_other_the_longer_ones_count():
     # The last one is 28 degrees off
     lines = [(1.0, -0.7, 1.0, 0.7), (1.6, -0.7, 1.6, 0.7), (1.2, 0.0, 1.5, 0.16)]
     pixels = np.vstack([VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in lines])
-    assert np.degrees(tilt_from_lines(pixels, VIEW).direction) == pytest.approx(0.0, abs=0.2)
+    assert np.degrees(estimate_body_tilt(pixels, VIEW).direction) == pytest.approx(0.0, abs=0.2)
 
 
 # --- what a filter makes of it ---
@@ -243,7 +243,7 @@ def test_the_covariance_of_tilt_and_compass_has_the_right_sign():
     for _ in range(60):
         tilt = rng.normal(0, np.radians(1.3)), rng.normal(0, np.radians(0.8))
         pixels = tilted(VIEW, *tilt).project(line).reshape(1, 4)
-        found = tilt_from_lines(pixels, VIEW)
+        found = estimate_body_tilt(pixels, VIEW)
         wrong = wrap_quarter(found.direction - np.arctan2(0.6, 1.2))
         told.append((found.pitch - tilt[0], found.roll - tilt[1], float(wrong), *found.covariance[:2, 2]))
     told = np.array(told)

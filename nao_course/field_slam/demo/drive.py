@@ -14,7 +14,7 @@ import numpy.typing as npt
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.datasets import read_pictures
 from nao_course.field_slam.association import associate_jointly
-from nao_course.field_slam.compass import tilt_from_lines
+from nao_course.field_slam.compass import estimate_body_tilt
 from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field, inside
 from nao_course.field_slam.hypotheses import MultipleHypotheses
 from nao_course.field_slam.joint_update import JointUpdate, scene
@@ -189,7 +189,7 @@ def _measure(
     prior: npt.ArrayLike = TILT_SIGMAS,
     joint: bool = False,
 ) -> Observation:
-    tilt = tilt_from_lines(found.lines, view, prior)
+    tilt = estimate_body_tilt(found.lines, view, prior)
     level = tilted(view, tilt.pitch, tilt.roll)
     corners = corners_of_lines(found.lines, level)
     measured = functions["measurements_from_pixels"](found.posts, corners, level)

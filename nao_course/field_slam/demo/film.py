@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from nao_course._internal.counts import say_count
-from nao_course.field_slam.compass import tilt_from_lines
+from nao_course.field_slam.compass import estimate_body_tilt
 from nao_course.field_slam.demo.drive import Story
 from nao_course.field_slam.demo.report import errors_of, make_folder, results, way_of
 from nao_course.field_slam.lines import read_lines
@@ -158,7 +158,7 @@ def _plot_detections(ax: Axes, story: Story, field: Field, number: int) -> str:
     """Plot a picture with the lines, posts and corners that were found in it, and return their numbers as text."""
     seen, observed = story.frames[number], story.seen[number]
     lines = read_lines(seen.pixels, seen.view, field.dimensions.line_width)
-    tilt = tilt_from_lines(lines, seen.view)
+    tilt = estimate_body_tilt(lines, seen.view)
     level = tilted(seen.view, tilt.pitch, tilt.roll)
     plot_picture(seen.pixels, ax, ticks=False)
     for ends in seen.view.distort(lines.reshape(-1, 2)).reshape(-1, 2, 2):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.field_slam.compass import tilt_from_lines, wrap_quarter
+from nao_course.field_slam.compass import estimate_body_tilt, wrap_quarter
 from nao_course.field_slam.drives import YAWS, Driver, OdometryNoisePerMove, start_of
 from nao_course.field_slam.lines import read_lines
 from nao_course.field_slam.observation import (
@@ -175,7 +175,7 @@ def observe(measure: Callable[..., Any], pixels: npt.NDArray[np.uint8], view: Ca
     The function gets a copy of the picture, and the view with the body tilt that the library finds from the field
     lines, as in the demo. One picture follows the other so closely that errors of the assumed view would add up.
     """
-    tilt = tilt_from_lines(read_lines(pixels, view), view)
+    tilt = estimate_body_tilt(read_lines(pixels, view), view)
     return observation(
         checked_measurements(measure(pixels.copy(), tilted(view, tilt.pitch, tilt.roll))),
         tilt.covariance[:2, :2],
