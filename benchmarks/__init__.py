@@ -48,18 +48,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Result:
-    """What one benchmark's ``main()`` returns.
+    """What one benchmark's ``main()`` returns: its name, also of the JSON file, and what it measured.
 
-    Parameters
-    ----------
-    name : str
-        The module's name, and that of the JSON file.
-    values : dict
-        All that was measured, as JSON can hold it; no dates, so that it changes only when a figure does.
-    tables : tuple of Table
-        What a reader is shown.
-    notes : tuple of str
-        Lines below the tables.
+    `values` holds everything that was measured, as JSON can; it has no dates, so that it changes only when a figure
+    does. `tables` and the `notes` below them are shown to a reader.
     """
 
     name: str

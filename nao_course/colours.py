@@ -14,8 +14,6 @@ GREEN, YELLOW = (90.0, 160.0), (44.0, 68.0)
 def mean_lightness(picture: npt.NDArray[np.uint8]) -> float:
     """Return the mean lightness (max + min) / 2 of all pixels of a picture (H, W, 3), 0 to 255.
 
-    Examples
-    --------
     >>> mean_lightness(np.array([[[10, 20, 40], [0, 0, 1]]], dtype=np.uint8))
     12.75
     """

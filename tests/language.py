@@ -25,17 +25,11 @@ REMAINING = PROJECT / "tests" / "language_remaining.json"
 
 @dataclass(frozen=True)
 class Banned:
-    """A pattern that must not appear in prose.
+    """A regular expression that must not appear in prose, and what to write instead.
 
-    Parameters
-    ----------
-    pattern : str
-        Regular expression; a space matches any white space, so a sentence may continue on the next line.
-    say : str
-        What to write instead.
-    allowed : dict of str to str
-        Contexts in which the pattern is right, each with the reason. A context is a regular expression too, and it
-        covers the offence if its match includes the offence's.
+    A space in the pattern matches any white space, so a sentence may continue on the next line. `allowed` maps contexts
+    in which the pattern is right to the reasons; a context is a regular expression too, and it covers the offence if
+    its match includes the offence's.
     """
 
     pattern: str

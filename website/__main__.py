@@ -21,28 +21,10 @@ BUILD = ROOT / "build" / "website"
 
 
 def build(edition: str, folder: Path, lessons: Sequence[str] = ()) -> Path:
-    """Make an edition's pages.
+    """Make the pages of an edition, ``student`` or ``instructor``, and return the folder of index.html.
 
-    Parameters
-    ----------
-    edition : str
-        ``student`` or ``instructor``.
-    folder : Path
-        Where to; sources and pages get a folder each in it.
-    lessons : sequence of str
-        Numbers or names; by default those that are released.
-
-    Returns
-    -------
-    Path
-        The folder of index.html.
-
-    Raises
-    ------
-    LessonError
-        If a lesson is not built.
-    subprocess.CalledProcessError
-        If Sphinx failed or warned.
+    Sources and pages get a folder each in `folder`; by default, the released lessons are shown. A lesson that is not
+    built raises a LessonError, and a failure or warning of Sphinx a CalledProcessError.
     """
     course = load_course(ROOT)
     names = course.names(lessons or course.chosen)

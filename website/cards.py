@@ -20,17 +20,8 @@ _FULL = (0.0, 0.0, 1.0, 1.0)
 def cards(lessons: Sequence[Lesson], folder: Path) -> str:
     """Return the cards of lessons as Markdown, and save their pictures into a folder.
 
-    Parameters
-    ----------
-    lessons : sequence of Lesson
-        The lessons, whose figures are in ``lessons/images`` beside `folder`.
-    folder : Path
-        Folder for the pictures, a sibling of ``lessons``; it is made.
-
-    Raises
-    ------
-    ValueError
-        If a part lies outside its figure.
+    The folder is made beside ``lessons``, whose ``images`` hold the figures. A part outside its figure raises a
+    ValueError.
     """
     folder.mkdir()
     declared = tomllib.loads((ROOT / "website" / "cards.toml").read_text(encoding="utf-8"))

@@ -72,18 +72,7 @@ def read_page(path: Path) -> Page:
 
 
 def offences(folder: Path) -> list[str]:
-    """Look through all pages of a folder.
-
-    Parameters
-    ----------
-    folder : Path
-        Where index.html stands.
-
-    Returns
-    -------
-    list of str
-        One line for each thing that is wrong, with its page.
-    """
+    """Return a line for each thing that is wrong on the pages of a folder with index.html."""
     pages = {path.relative_to(folder).as_posix(): read_page(path) for path in sorted(folder.rglob("*.html"))}
     found = [] if "index.html" in pages else ["there is no index.html"]
     for name, page in pages.items():

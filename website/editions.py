@@ -44,19 +44,7 @@ PITCH = (
 
 @dataclass(frozen=True)
 class Edition:
-    """Where the pages of one kind of reader come from.
-
-    Parameters
-    ----------
-    name : str
-        What it is called, in folders too.
-    lessons : str
-        The folder of its notebooks.
-    docs : tuple of str
-        Its pages of docs/, in their order.
-    welcome : str
-        What its first page begins with, Markdown.
-    """
+    """The sources of one kind of reader's pages: the folder of its notebooks, its pages of docs/, and a welcome."""
 
     name: str
     lessons: str
@@ -106,19 +94,7 @@ EDITIONS = {
 
 
 def gather(edition: Edition, course: Course, names: Sequence[str], folder: Path) -> None:
-    """Lay an edition's sources into a folder, as Sphinx reads them.
-
-    Parameters
-    ----------
-    edition : Edition
-        Which.
-    course : Course
-        Whose title the pages have, and whose rubrics the instructors'.
-    names : sequence of str
-        The lessons that are in it.
-    folder : Path
-        Where to; it does not exist yet.
-    """
+    """Write an edition's sources into a folder that does not exist yet, as Sphinx reads them."""
     lessons = folder / "lessons"
     shutil.copytree(ROOT / edition.lessons / "images", lessons / "images")
     for name in names:

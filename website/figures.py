@@ -39,13 +39,6 @@ def add_figures(student: dict[str, Any], solved: Mapping[str, Any]) -> None:
 
     Only pictures are taken, and only from cells that are the same in both notebooks: nothing else of a solution's
     outputs reaches the page.
-
-    Parameters
-    ----------
-    student : dict
-        The student copy, a notebook without outputs; it is changed.
-    solved : mapping
-        The executed solution notebook of the same lesson.
     """
     drawn = {cell["id"]: cell for cell in solved["cells"] if cell["cell_type"] == "code"}
     for cell in student["cells"]:

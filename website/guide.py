@@ -18,12 +18,7 @@ OPEN = ["TODO", "TODO"]  # of a new lesson: its prerequisites, and what is missi
 def guide_with_facts(guide: str, lessons: Iterable[Lesson]) -> str:
     """Return docs/teach_the_course.md with each lesson's minutes, points and uses.
 
-    Parameters
-    ----------
-    guide : str
-        Its text. Prerequisites and the last column stay; a new lesson has TODO there.
-    lessons : iterable of Lesson
-        The finished lessons in their order.
+    Prerequisites and the last column stay; a new lesson has TODO there.
     """
     there = {lesson.number: lesson for lesson in lessons}
     kept = {row[1][:2]: row[5:] for row in _rows(guide, WEEKS)}

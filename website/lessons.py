@@ -13,28 +13,11 @@ __all__ = ["Lesson", "read_lesson"]
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson as its student copy describes it.
+    """A lesson, such as ``01_hsl_filtering``, as its student copy describes it.
 
-    Parameters
-    ----------
-    name : str
-        Such as ``01_hsl_filtering``.
-    title : str
-        Its first heading.
-    goal : str
-        The paragraph below it, Markdown.
-    picture : str
-        The Markdown of the figure that it opens with.
-    minutes : int
-        Minutes that it states, for the first part if it states two.
-    later : int
-        Minutes that it states for the second part; 0 if there is none.
-    points : float
-        What its checks and written answers are worth together.
-    written : float
-        What its written answers are worth.
-    takes : tuple of str
-        Numbers of the lessons whose functions, the student's own, it uses.
+    Its goal is the paragraph below the title, its picture the figure that it opens with, both Markdown. `minutes` are
+    for the first part and `later` for the second, 0 without one; `points` are of all its checks and written answers,
+    `written` of the latter, and `takes` are the numbers of lessons whose functions it uses.
     """
 
     name: str
@@ -59,18 +42,7 @@ class Lesson:
 
 
 def read_lesson(path: Path) -> Lesson:
-    """Read a lesson's student copy.
-
-    Parameters
-    ----------
-    path : Path
-        Its notebook.
-
-    Raises
-    ------
-    ValueError
-        If it lacks a title, a goal, an opening figure or its time.
-    """
+    """Read a lesson's student copy. Raise a ValueError if it lacks a title, a goal, an opening figure or its time."""
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     text, code = (_joined(cells, kind) for kind in ("markdown", "code"))
     said = {

@@ -11,13 +11,7 @@ __all__ = ["rubrics_page"]
 
 
 def rubrics_page(questions: Iterable[tuple[Lesson, Written]]) -> str:
-    """Write all questions below each other, in Markdown.
-
-    Parameters
-    ----------
-    questions : iterable of (Lesson, Written)
-        Each with its lesson, in their order.
-    """
+    """Write all questions below each other, in Markdown."""
     parts = [
         f"## {lesson.number} {lesson.title}, {each.points:g} points\n\n{each.question}\n\n> {each.rubric}"
         for lesson, each in questions

@@ -55,10 +55,7 @@ REACH, ARM, DOUBLES = 4.5, 11.0, 10.0  # px: a line is extended; an arm has at l
 def find_corners_better(picture: npt.ArrayLike) -> FloatArray:
     """Find the corners (K, 2), (u, v) px, of the field's lines in a picture (H, W, 3).
 
-    Raises
-    ------
-    ValueError
-        If the picture is not RGB of uint8.
+    Raise a ValueError if it is not RGB of uint8.
     """
     planes = take_apart(check_picture(picture))
     if planes is None:

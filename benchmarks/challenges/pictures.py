@@ -13,13 +13,7 @@ Pixels = npt.NDArray[np.uint8]
 
 
 def check_picture(picture: npt.ArrayLike) -> Pixels:
-    """Return a picture as it must be.
-
-    Raises
-    ------
-    ValueError
-        If it is not RGB (H, W, 3) of uint8.
-    """
+    """Return a picture unchanged; raise a ValueError if it is not RGB (H, W, 3) of uint8."""
     pixels = np.asarray(picture)
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3:
         raise ValueError(f"the picture must be RGB, uint8 (H, W, 3), got {pixels.dtype} {pixels.shape}")

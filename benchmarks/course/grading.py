@@ -124,29 +124,11 @@ def watched(
     every: float = EVERY,
     root: Path = ROOT,
 ) -> tuple[float, list[tuple[float, T]]]:
-    """Run the grading command as an assistant does, and measure it all the time.
+    """Run the grading command as an assistant does, and call ``measure`` with its process number every so many seconds.
 
-    Parameters
-    ----------
-    submissions, grades : Path
-        The class, and a new folder beside its secret.
-    jobs : int
-        How many are graded at a time.
-    measure : callable
-        Called with the number of the command's process.
-    *words : str
-        Further options of the command.
-    every : float
-        Time between two measurements, s.
-    root : Path
-        Folder of the course that grades.
-
-    Returns
-    -------
-    float
-        How long the command ran, s.
-    list of (float, object)
-        Measurements, with their times since the start.
+    Return how long the command ran, s, and the measurements with their times since the start. `grades` is a new folder
+    beside the class's secret, `jobs` submissions are graded at a time, `words` are further options, and `root` is the
+    course's folder.
     """
     words = ("grade", str(submissions), "--out", str(grades), "--jobs", str(jobs), *words)
     environment = {**os.environ, "NAO_COURSE_SECRET": str(grades.parent / "secret"), "COLUMNS": "200"}

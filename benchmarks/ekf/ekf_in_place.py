@@ -14,12 +14,7 @@ class InPlaceFilter:
     """Pose and known landmarks; only the covariance's lower triangle is kept, column by column.
 
     An update takes W W' off the covariance, with W = P H' inv(L)' and L L' = S: BLAS does that in one pass over half of
-    the numbers, without a new array.
-
-    Parameters
-    ----------
-    state, covariance : ndarray, shapes (3 + 2k,) and (3 + 2k, 3 + 2k)
-        Where it begins.
+    the numbers, without a new array. It begins with a state (3 + 2k,) and a covariance (3 + 2k, 3 + 2k).
     """
 
     def __init__(self, state: FloatArray, covariance: FloatArray) -> None:

@@ -51,21 +51,12 @@ class AtOnce(CameraCalibration):
 class Options:
     """How the walk is read.
 
-    Parameters
-    ----------
-    calibration : "own", "marked" or "none"
-        Source of the camera's constant offset: the robot's own estimate on the way, the marked points of the first
-        picture, or none, so that the angles of the joints are used.
-    compass : bool
-        Whether lines tell the heading.
-    marked_headings : bool
-        Whether the true headings are those that the marked points tell; otherwise as written down.
-    joint : bool
-        Whether the observations have lines and the centre circle, and the filter uses them in a joint update.
-    wait : bool
-        Whether the first pictures are measured only when the robot's own calibration is certain enough.
-    assumed : (float, float)
-        Errors of pitch and roll that are added to the view that follows from the joints, degrees.
+    The camera's constant offset is the robot's "own" estimate on the way, or from the "marked" points of the first
+    picture, or "none", so that the angles of the joints are used. With `compass`, lines measure the heading; with
+    `marked_headings`, the true headings are computed from the marked points and not those written down; with `joint`,
+    the filter also uses lines and the centre circle; with `wait`, the first pictures are measured only when the robot's
+    own calibration is certain enough. `assumed` are errors of pitch and roll that are added to the view from the
+    joints, degrees.
     """
 
     calibration: Literal["own", "marked", "none"] = "own"
@@ -283,13 +274,7 @@ def marked_offset(pictures: Sequence[RealPicture]) -> float:
 
 @course_style()
 def draw_maps() -> bytes:
-    """Return a PNG: the maps at the end of one walk over the true field.
-
-    Raises
-    ------
-    FileNotFoundError
-        If the recorded pictures are not here.
-    """
+    """Return a PNG: the maps at the end of one walk over the true field."""
     pictures = read_pictures("straightwalk")
     seen, _ = Options().observations(demo_functions((), ROOT / "solutions"), pictures)
     classes = solution("11")

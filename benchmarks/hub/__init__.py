@@ -123,12 +123,8 @@ def _quantiles(values: list[float]) -> dict[str, float]:
 def on_a_large_server(figures: dict[str, Any], cpu_s: float) -> dict[str, float]:
     """Calculate how many students a larger server holds, by its memory and by its processors.
 
-    Parameters
-    ----------
-    figures : dict
-        Of the largest class that was measured.
-    cpu_s : float
-        Processor time of a student for the whole lesson, s.
+    `figures` are of the largest class that was measured, and `cpu_s` is a student's processor time for the whole
+    lesson, s.
     """
     free = 1024 * (SERVER["memory_gb"] - SERVER["for_the_system_gb"])
     return {

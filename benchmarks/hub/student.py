@@ -38,14 +38,7 @@ class Seen:
 class Student:
     """A session of one student; use it with ``async with``.
 
-    Parameters
-    ----------
-    url : str
-        The hub's address.
-    claim : str
-        The student's name, as a learning platform would give it.
-    password : str
-        The password.
+    `claim` is the student's name as a learning platform would give it, and `url` the hub's address.
     """
 
     def __init__(self, url: str, claim: str, password: str) -> None:

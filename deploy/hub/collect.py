@@ -59,18 +59,10 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def folder_names(sheet: Path) -> dict[str, str]:
-    """Return a folder's name for each account that a cell of the sheet belongs to.
+    """Return folder names such as "Ada Lovelace_1234567" by account, such as "nao-ada-lovelace-3c6d023791".
 
-    Parameters
-    ----------
-    sheet : Path
-        Has a student's name and number in each row: the number in Moodle's first column ("Participant 1234567"), or
-        in Canvas's column "ID".
-
-    Returns
-    -------
-    dict of str to str
-        "Ada Lovelace_1234567" by "nao-ada-lovelace-3c6d023791".
+    A row of the sheet has a student's name and number: the number in Moodle's first column ("Participant 1234567"), or
+    in Canvas's column "ID". Any cell of it may be what the account is made from.
     """
     from nao_course._internal.tables import read_people
 

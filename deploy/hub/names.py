@@ -11,20 +11,10 @@ def system_name(claim: str) -> str:
     """Return the name of a student's account and home folder.
 
     No claim leads to an account that the system has already ("root"), and different claims have different names,
-    because each name has a fixed beginning and ends with a hash of the claim. The names suit Linux and Kubernetes.
+    because each name has a fixed beginning and ends with a hash of the claim. The names suit Linux and Kubernetes. The
+    claim is what the platform calls the student, such as an e-mail address, whose case does not matter. The name has at
+    most 27 lower-case letters, digits and hyphens.
 
-    Parameters
-    ----------
-    claim : str
-        What the learning platform calls the student, such as an e-mail address. Case does not matter.
-
-    Returns
-    -------
-    str
-        At most 27 lower-case letters, digits and hyphens.
-
-    Examples
-    --------
     >>> system_name("Ada.Lovelace@uni.example")
     'nao-ada-lovelace-3c6d023791'
     """

@@ -17,18 +17,8 @@ __all__ = ["import_when_asked"]
 def import_when_asked(package: str, names: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
     """Return a ``__getattr__`` for a package that imports each name from its module at first use.
 
-    Parameters
-    ----------
-    package : str
-        ``__name__`` of the package.
-    names : mapping of str to sequence of str
-        Public names of each module of the package.
-
-    Returns
-    -------
-    callable
-        Function from a name to its value. It raises AttributeError for an unknown name, and ImportError with the new
-        name for a name of an older release: `from package import name` would hide the message of an AttributeError.
+    `names` are the public names of each module. An unknown name raises an AttributeError, and a name of an older
+    release an ImportError with the new name: `from package import name` would hide the message of an AttributeError.
     """
     module_of = {name: module for module, each in names.items() for name in each}
 

@@ -22,10 +22,7 @@ EXAMPLE = "the course's example"
 class PersonalWorld:
     """The source of a student's own data.
 
-    Parameters
-    ----------
-    student : str
-        Name of the student, as in the gradebook; empty for the example world of the course.
+    Its name is as in the gradebook, and empty for the example world of the course.
     """
 
     student: str = ""
@@ -35,8 +32,6 @@ class PersonalWorld:
 
         Upper and lower case, accents' encodings and spaces around the name make no difference.
 
-        Examples
-        --------
         >>> PersonalWorld("ada").seed("drives") == PersonalWorld(" Ada").seed("drives")
         True
         """

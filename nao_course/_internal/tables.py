@@ -52,15 +52,7 @@ class TableError(ValueError):
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a table that was read.
-
-    Parameters
-    ----------
-    number : int
-        As the spreadsheet counts: the header is row 1.
-    cells : mapping of str to str
-        By the header's names, as they were before `escape_formula`.
-    """
+    """A row of a table, numbered as in a spreadsheet, from 1 for the header; cells are as before `escape_formula`."""
 
     number: int
     cells: Mapping[str, str]
@@ -75,8 +67,6 @@ def escape_formula(text: str) -> str:
 
     `unescape_formula` takes them away again.
 
-    Examples
-    --------
     >>> escape_formula("=1+1"), escape_formula("Ada"), unescape_formula(escape_formula("'=1+1"))
     ("'=1+1", 'Ada', "'=1+1")
     >>> escape_formula("x;=1+1")
@@ -92,18 +82,9 @@ def unescape_formula(cell: str) -> str:
 
 @dataclass(frozen=True)
 class Person:
-    """A student in a class list.
+    """A student in a class list, with all cells of the row, such as the e-mail address.
 
-    Parameters
-    ----------
-    name : str
-        Name, as in the list.
-    number : str
-        The platform's number of the student; empty in a list that is not a platform's.
-    platform : str
-        "moodle" or "canvas", or empty.
-    cells : tuple of str
-        All cells of the row, such as the e-mail address.
+    `number` is the platform's, "moodle" or "canvas"; both are empty in a list that is not a platform's.
     """
 
     name: str
@@ -115,10 +96,7 @@ class Person:
 def read_people(path: Path) -> list[Person]:
     """Read a class list: one name in each line, a table with a column "student", or Moodle's or Canvas's sheet.
 
-    Raises
-    ------
-    TableError
-        If it is a table without these columns, or if a spreadsheet has shortened a number to "1,00E+03".
+    Raise a TableError for a table without these columns, or if a spreadsheet has shortened a number to "1,00E+03".
     """
     rows = [
         [unicodedata.normalize("NFC", unescape_formula(cell)).strip() for cell in row]
@@ -164,8 +142,6 @@ def read_people(path: Path) -> list[Person]:
 def plain_number(text: str) -> float | None:
     """Return a number with a decimal point or comma; None for other text, and for "1,300", which may be 1.3 or 1300.
 
-    Examples
-    --------
     >>> plain_number("1,5"), plain_number("0.125"), plain_number("1,300"), plain_number("1.300,5")
     (1.5, 0.125, None, None)
     """
@@ -176,17 +152,9 @@ def plain_number(text: str) -> float | None:
 
 
 def read_rows(path: Path) -> list[list[str]]:
-    """Read a CSV file of another program's, whatever it holds, with the separator that makes most of its first row.
+    """Read all rows but empty ones of any program's CSV file, with the separator that yields the most header columns.
 
-    Returns
-    -------
-    list of list of str
-        All rows but empty ones, cells as they are.
-
-    Raises
-    ------
-    TableError
-        If it is no table.
+    Raise a TableError if it is not a table.
     """
     text, separators = _without_hint(_text(path))
     try:
@@ -199,26 +167,11 @@ def read_rows(path: Path) -> list[list[str]]:
 
 
 def read_table(path: Path, header: Sequence[str], more: Sequence[str] = ()) -> list[Row]:
-    """Read a CSV file that a spreadsheet may have saved in its own way.
+    """Read a CSV file that a spreadsheet may have saved in its own way; its columns may have any order.
 
-    Parameters
-    ----------
-    path : Path
-        In UTF-8, UTF-16 or Windows' encoding; separated by commas, semicolons or tabs.
-    header : sequence of str
-        Names of the columns, in any order.
-    more : sequence of str
-        Names of columns that may be missing; their cells are empty then.
-
-    Returns
-    -------
-    list of Row
-        All rows that are not empty; names in them are composed (NFC), as they are in the gradebook.
-
-    Raises
-    ------
-    TableError
-        If it is no table, or its header is another one.
+    It is in UTF-8, UTF-16 or Windows' encoding, separated by commas, semicolons or tabs; columns in `more` may be
+    missing. Rows are not empty, and names in them are composed (NFC), as in the gradebook. Raise a TableError if it is
+    not a table or has another header.
     """
     text, separators = _without_hint(unicodedata.normalize("NFC", _text(path)))
     separator, first = _separator(text, separators, header)

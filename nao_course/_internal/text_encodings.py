@@ -44,23 +44,8 @@ class NotTextError(ValueError):
 def decode_text(data: bytes | bytearray) -> str:
     r"""Decode text in UTF-8, UTF-16, UTF-32 or Windows-1252, with or without a byte order mark.
 
-    Parameters
-    ----------
-    data : bytes
-        Content of a file.
+    Line ends are unchanged. Raise a NotTextError for other bytes, and if two encodings are mixed.
 
-    Returns
-    -------
-    str
-        The text without a byte order mark; its line ends are unchanged.
-
-    Raises
-    ------
-    NotTextError
-        If the bytes are not text in one of these encodings, or if two encodings are mixed in them.
-
-    Examples
-    --------
     >>> decode_text("café".encode("utf-16")), decode_text("café".encode("cp1252"))
     ('café', 'café')
     >>> decode_text(b"\x89PNG\r\n\x1a\n")

@@ -52,15 +52,8 @@ def time_limit(
     main thread, on systems that have signals (not on Windows), a call that waits is interrupted as well. Anything else
     in C runs to its end first: a long calculation, and in other threads a call that waits. An import is not interrupted
     for up to IMPORTING seconds, because a compiled module whose import was broken off cannot be imported again.
-
-    Parameters
-    ----------
-    seconds : float
-        Wall-clock time that the block may take.
-    sooner : callable, optional
-        Called four times a second with the frame that runs in the block; if it returns True, the time is up already.
-    error : type of BaseException
-        What is raised.
+    `seconds` are wall-clock time. `sooner` is called four times a second with the frame that runs in the block; if it
+    returns True, the time is up already.
     """
     watchdog = _Watchdog(threading.get_ident(), seconds, sooner, error)
     with _signals(watchdog):

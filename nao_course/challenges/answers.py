@@ -14,17 +14,7 @@ MOST_POINTS = 1000  # largest number of points in one answer
 def as_found_points(answer: Any, name: str = "points") -> FloatArray:
     """Return an answer as points (K, 2).
 
-    Parameters
-    ----------
-    answer : object
-        The return value of an entry.
-    name : str
-        Name of the points in messages, such as "feet".
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the answer is not an array of points; the message is for the student.
+    Raise a TypeError or ValueError with a message for the student, which calls them `name`, if it is something else.
     """
     if answer is None:
         raise TypeError(f"Your entry returns None: does it end with return {name}?")

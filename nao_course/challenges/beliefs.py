@@ -24,18 +24,9 @@ MOST_NEES = 1000.0  # largest value in a column
 def as_belief(answer: Any, with_map: bool = False) -> tuple[FloatArray, FloatArray]:
     """Return the pose (3,) and the covariance (3, 3) of an answer.
 
-    Parameters
-    ----------
-    answer : object
-        The return value of an entry: a pair of pose and covariance, where the pose may be a `Pose`, or an `Estimate`.
-    with_map : bool
-        Whether the answer may be a state (n,) that begins with the pose, with its covariance (n, n). Only the pose is
-        used.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is something else; the message is for the student.
+    The answer is an `Estimate`, or a pair of a pose or `Pose` and covariance; `with_map`, also a state (n,) that begins
+    with the pose, with covariance (n, n). Raise a TypeError or ValueError with a message for the student if it is
+    something else.
     """
     mean, wanted = ("state", "(n,) and (n, n), the pose first,") if with_map else ("pose", "(3,) and (3, 3)")
     if answer is None:
@@ -76,21 +67,10 @@ def score_belief(
     before: tuple[FloatArray, FloatArray],
     kept: object,
 ) -> CaseScore:
-    """Score a belief by the log ratio (bits) of its density at the truth to another belief's density.
+    """Score a belief by the log ratio (bits) of its density at the truth to the density of the belief before the entry.
 
-    Parameters
-    ----------
-    pose, covariance, truth : ndarray, shapes (3,), (3, 3) and (3,)
-        Pose and covariance of the belief, and the true pose.
-    before : (ndarray (3,), ndarray (3, 3))
-        The belief without the entry.
-    kept : object
-        Data for the figure.
-
-    Returns
-    -------
-    CaseScore
-        Score with the columns "off" and "stated" (position, cm) and "NEES".
+    Poses are (3,), covariances (3, 3), and `kept` is data for the figure. The columns are "off" and "stated"
+    (position, cm) and "NEES".
     """
     bits, nees = log_density(pose, covariance, truth)
     without, _ = log_density(*before, truth)
@@ -107,21 +87,9 @@ def score_end(
 ) -> CaseScore:
     """Score an entry's belief at the end of a drive by the log density ratio (bits) to odometry's belief.
 
-    Parameters
-    ----------
-    answer : object
-        The return value of the entry: a pose, or a state that begins with the pose, and its covariance.
-    truth : ndarray, shape (3,)
-        The true pose at the end.
-    odometry : (ndarray (3,), ndarray (3, 3))
-        The belief of a robot that uses odometry alone, in the same frame.
-    drive : object
-        Data for the figure, which receives (drive, pose, covariance).
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the answer is not a belief; the message is for the student.
+    The answer is a pose (3,), or a state that begins with it, and a covariance, in the frame of odometry's (3,) and
+    (3, 3); the figure gets (drive, pose, covariance). Raise a TypeError or ValueError with a message for the student if
+    it is something else.
     """
     pose, covariance = as_belief(answer, with_map=True)
     return score_belief(pose, covariance, truth, odometry, (drive, pose, covariance))
@@ -140,12 +108,7 @@ def say_bits(drives: int) -> str:
 def draw_worst_ends(run: Run, plot_drive: Callable[[Axes, Any], None]) -> Drawing:
     """Draw the drives with the fewest bits: the true path, and the belief at its end.
 
-    Parameters
-    ----------
-    run : Run
-        All drives of the challenge, scored by `score_end`.
-    plot_drive : callable
-        ``plot_drive(ax, kept)`` draws one drive; `kept` is (drive, pose, covariance).
+    ``plot_drive(ax, kept)`` draws a drive scored by `score_end`; `kept` is (drive, pose, covariance).
     """
     keys = [source_key("truth", "true path"), source_key("ekf", "estimate at the end, 95 %")]
     return draw_worst(run, plot_drive, keys, digits=1)
@@ -156,17 +119,9 @@ def odometry_belief(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the last odometry pose (3,) and its covariance (3, 3).
 
-    An error along or across a step shifts the rest of the path, and an error of a turn rotates it about the end of
-    that step.
-
-    Parameters
-    ----------
-    start : Pose
-        Known first pose.
-    motions : sequence of Motion
-        The M commands.
-    covariances : array_like, shape (M, 3, 3)
-        Covariance of each step's errors along, across and in the turn, robot frame.
+    An error along or across a step shifts the rest of the path, and an error of a turn rotates it about the end of that
+    step. The start is known. Covariances (M, 3, 3) are of the M steps' errors along, across and in the turn, in the
+    robot frame.
     """
     path = [start]
     for motion in motions:

@@ -23,17 +23,7 @@ class BrokenFileError(ValueError):
 
 @dataclass(frozen=True)
 class Best:
-    """A best score.
-
-    Parameters
-    ----------
-    score : float
-        Total score.
-    worst : float
-        Score of the worst case.
-    columns : mapping of str to float
-        Values of the other columns.
-    """
+    """A best total score, with the score of the worst case and the values of the other columns."""
 
     score: float
     worst: float
@@ -41,15 +31,7 @@ class Best:
 
 
 class BestFile:
-    """The file that stores a challenge's best score.
-
-    Parameters
-    ----------
-    challenge : Challenge
-        The challenge.
-    folder : Path, optional
-        Folder of the file; by default the working folder, which is the notebook's.
-    """
+    """The file that stores a challenge's best score, by default in the working folder, which is the notebook's."""
 
     def __init__(self, challenge: Challenge, folder: Path | None = None) -> None:
         """Store the path; the file is read later."""
@@ -59,13 +41,7 @@ class BestFile:
         self._remark = ""
 
     def read(self) -> tuple[Best | None, str]:
-        """Read the best score so far, and return it with a remark.
-
-        Returns
-        -------
-        Best or None, str
-            None without a best score. A file that cannot be read is renamed, and the remark explains that.
-        """
+        """Return the best score so far, or None, and a remark, such as that an unreadable file was renamed."""
         if not os.path.lexists(self.path):
             return None, self._remark
         try:

@@ -171,19 +171,9 @@ class EntryReport:
 
 
 def standings(challenge: Challenge, best: Best | None = None, entry: Best | None = None) -> Table:
-    """Return the rows of a board as a table, the worst row first.
+    """Return a board as a table, the worst row first, with the student's best score so far and perhaps another entry.
 
-    Parameters
-    ----------
-    challenge : Challenge
-        The challenge with its recorded rows.
-    best, entry : Best, optional
-        The student's best score so far, and another entry of the student.
-
-    Returns
-    -------
-    Table
-        Table of the score, the worst case and the challenge's columns. Without a best score, the last row says so.
+    The columns are the score, the worst case and the challenge's own. Without a best score, the last row says so.
     """
     rows = list(challenge.rows)
     for name, each in ((YOU, best), (THIS, entry)):

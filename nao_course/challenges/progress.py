@@ -10,15 +10,7 @@ PAUSE = 0.1  # s between two updates
 
 
 class Progress:
-    """A progress bar.
-
-    Parameters
-    ----------
-    total : int
-        Number of steps.
-    what : str
-        Noun for the steps, such as "scenes".
-    """
+    """A progress bar for a number of steps, named by a noun such as "scenes"."""
 
     def __init__(self, total: int, what: str) -> None:
         """Show an empty bar."""

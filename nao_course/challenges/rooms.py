@@ -15,18 +15,9 @@ SIZE = (320, 240)  # of a challenge's pictures
 
 @dataclass(frozen=True)
 class Place:
-    """A case of a challenge: a picture in a room.
+    """A picture of a room as a case of a challenge: "dark 7" is the seventh of the dark pictures.
 
-    Parameters
-    ----------
-    name : str
-        Name, such as "dark 7" for the seventh of the dark pictures.
-    preset : str
-        Preset of `Reality`.
-    room : int
-        Seed of the room.
-    number : int
-        Number of the picture in that room, from 0.
+    `preset` is a preset of `Reality`, `room` the seed of the room, and `number` the picture's in that room, from 0.
     """
 
     name: str
@@ -45,19 +36,10 @@ class Place:
         return preset
 
     def scene(self, shows: Callable[[Scene], bool], stream: Sequence[int] = ()) -> Scene:
-        """Take pictures from random places until one of them suits the case.
+        """Take pictures of 320 x 240 pixels from random places until one suits the case, the same one at every call.
 
-        Parameters
-        ----------
-        shows : callable
-            ``shows(scene)`` returns whether a picture suits the case.
-        stream : sequence of int
-            Further seeds, so that two challenges use different random numbers in the same room.
-
-        Returns
-        -------
-        Scene
-            A scene of 320 x 240 pixels, the same at every call.
+        ``shows(scene)`` returns whether a picture suits it; `stream` are further seeds, so that two challenges use
+        different random numbers in the same room.
         """
         reality = self.reality
         rng = np.random.default_rng([self.room, self.number, *stream])
@@ -69,12 +51,7 @@ class Place:
 def places(rooms: Mapping[str, Sequence[int]], in_each: int) -> tuple[Place, ...]:
     """Return the cases of a challenge, `in_each` per room, numbered by preset.
 
-    Parameters
-    ----------
-    rooms : mapping of str to sequence of int
-        Seeds of rooms by preset. Entries of the board must be tuned in other rooms.
-    in_each : int
-        Number of pictures per room.
+    `rooms` has seeds by preset; entries of the board must be tuned in other rooms.
     """
     return tuple(
         Place(f"{preset} {before * in_each + number + 1}", preset, room, number)

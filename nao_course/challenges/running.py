@@ -24,21 +24,9 @@ _NUMBERS = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")  # what may differ where 
 
 
 def run(challenge: Challenge, entry: Any, progress: Progress | None = None) -> Run:
-    """Run an entry on all cases of a challenge.
+    """Run an entry, a function or the answer itself, on all cases of a challenge, updating the progress bar after each.
 
-    Parameters
-    ----------
-    challenge : Challenge
-        The challenge.
-    entry : callable or object
-        The student's function of the case's inputs, or the answer itself if the challenge accepts values.
-    progress : Progress, optional
-        Progress bar, which is updated after each case.
-
-    Returns
-    -------
-    Run
-        The results. No exception is raised; after an interruption, `stopped` explains it.
+    No exception is raised; after an interruption, `stopped` explains it.
     """
     if refused := _refusal(challenge, entry):
         return Run(challenge, (), refused)

@@ -26,27 +26,10 @@ def draw_worst(
     digits: int | None = None,
     photo: bool = False,
 ) -> Drawing:
-    """Draw the cases with the worst scores.
+    """Draw the cases with the worst scores: ``plot(ax, kept)`` draws a case from `CaseScore.kept`.
 
-    Parameters
-    ----------
-    run : Run
-        All cases of the challenge.
-    plot : callable
-        ``plot(ax, kept)`` draws a case from `CaseScore.kept`.
-    keys : sequence of matplotlib.artist.Artist
-        Keys of the legend.
-    height : float
-        Height of the figure, inches.
-    digits : int, optional
-        Number of decimals of a case's score; by default as on the board.
-    photo : bool
-        Whether the figure contains camera pictures.
-
-    Returns
-    -------
-    Drawing
-        The figure; its alt text names the cases.
+    The figure is `height` inches high. By default, a score has as many digits as on the board; `photo` says whether the
+    figure contains camera pictures.
     """
     challenge = run.challenge
     case = Column("", challenge.unit, challenge.digits if digits is None else digits)

@@ -15,20 +15,7 @@ from nao_course.plotting.style import FOUND, HALO
 
 
 def draw_worst_scenes(run: Run, what: str) -> Drawing:
-    """Draw the scenes with the worst scores.
-
-    Parameters
-    ----------
-    run : Run
-        Results of all scenes; `CaseScore.kept` of each is (pixels, found points, true points).
-    what : str
-        Noun for a point, such as "foot".
-
-    Returns
-    -------
-    Drawing
-        The figure; its alt text names the scenes.
-    """
+    """Draw the scenes with the worst scores; each has `kept` (pixels, found points, true points), px."""
     keys = [
         Line2D([], [], color=FOUND, marker="o", mfc="none", ls="", ms=9, mew=2.2, label="found"),
         Line2D([], [], color="black", marker="x", ls="", ms=8, mew=2.2, label=f"true {what}"),

@@ -67,38 +67,23 @@ def frame_lengths(prefix: bytes | bytearray, limits: Limits | None = None) -> tu
 
 
 def whole_characters(text: str) -> str:
-    """Return a text unchanged after checking that it contains no surrogates, which no file could store.
-
-    Raises
-    ------
-    CodecError
-        If the text contains half of a surrogate pair.
-    """
+    """Return a text unchanged; raise a CodecError for half of a surrogate pair, which no file could store."""
     if not text.isascii() and any("\ud800" <= letter <= "\udfff" for letter in text):
         raise CodecError("a text with half a character in it")
     return text
 
 
 def whole_number(number: int) -> int:
-    """Return an integer unchanged after checking its size.
-
-    Raises
-    ------
-    CodecError
-        If the integer is too large.
-    """
+    """Return an integer unchanged; raise a CodecError if it is too large."""
     if number.bit_length() > _MOST_BITS:
         raise CodecError(f"an integer of more than {_MOST_BITS} bits")
     return number
 
 
 def as_key(key: object) -> object:
-    """Return the key of a dict unchanged after checking that it is None, a bool, a number, a text or a tuple of these.
+    """Return a dict's key unchanged; refuse all but None, bools, numbers, texts and tuples of these (CodecError).
 
-    Raises
-    ------
-    CodecError
-        If the key has another type, or is NaN, which is not equal to itself.
+    NaN is refused too, because it is not equal to itself.
     """
     if type(key) is tuple:
         for each in key:
@@ -109,12 +94,6 @@ def as_key(key: object) -> object:
 
 
 def refuse_keys_alike(keys: Iterable[object]) -> None:
-    """Refuse dict keys of which many have the same hash, because a dict of them would take very long to build.
-
-    Raises
-    ------
-    CodecError
-        If too many keys have the same hash.
-    """
+    """Raise a CodecError if many keys have the same hash, because a dict of them would take very long to build."""
     if max(Counter(map(hash, keys)).values(), default=0) > _MOST_ALIKE:
         raise CodecError("a dict with keys that are made to be alike")

@@ -18,15 +18,7 @@ _FUNCTION_TYPES = (FunctionType, BuiltinFunctionType, np.ufunc)
 
 @dataclass(frozen=True)
 class Registered:
-    """A class whose values can be encoded.
-
-    Parameters
-    ----------
-    cls : type
-        Registered class.
-    fields : tuple of str
-        Names of the fields at the time of registration.
-    """
+    """A class whose values can be encoded, with the names of its fields at the time of registration."""
 
     cls: type
     fields: tuple[str, ...]
@@ -104,19 +96,9 @@ def name_of_function(function: object) -> str | None:
 
 
 def find_type(name: str, *, trusted: bool) -> Registered:
-    """Return the registered class of a name.
+    """Return the registered class of a name such as "module:Class", or raise a CodecError if there is none.
 
-    Parameters
-    ----------
-    name : str
-        Module and name of the class.
-    trusted : bool
-        Whether the module may be imported, if it belongs to this package.
-
-    Raises
-    ------
-    CodecError
-        If no class of that name is registered.
+    If `trusted`, its module may be imported, if it belongs to this package.
     """
     return _found(_TYPES, name, "a value of an unknown type", trusted)
 

@@ -25,16 +25,9 @@ Array = npt.NDArray[Any]
 
 @dataclass(frozen=True)
 class Parts:
-    """The arrays of a sparse matrix.
+    """The arrays of a sparse matrix: data, indices and indptr of csr and csc, or data, rows and columns of coo.
 
-    Parameters
-    ----------
-    kind : str
-        Name of SciPy's class, such as "csr_array".
-    shape : (int, int)
-        Number of rows and columns.
-    arrays : tuple of ndarray
-        The arrays data, indices and indptr of csr and csc, or data, rows and columns of coo.
+    `kind` is SciPy's class, such as "csr_array".
     """
 
     kind: str
@@ -51,20 +44,7 @@ def is_sparse(kind: type) -> bool:
 
 
 def taken_apart(item: Any, most: int) -> Parts:
-    """Convert a sparse matrix to its arrays.
-
-    Parameters
-    ----------
-    item : sparse matrix or array
-        Sparse matrix with two dimensions.
-    most : int
-        Largest size of its copies, bytes.
-
-    Raises
-    ------
-    CodecError
-        If the matrix is too large or invalid.
-    """
+    """Convert a two-dimensional sparse matrix to its arrays; raise a CodecError if invalid or over `most` bytes."""
     base: Any = next(each for each in type(item).__mro__ if each.__module__.startswith("scipy.sparse"))
     _refuse_shape(item.shape)
     _refuse_size(item, most)
@@ -85,10 +65,7 @@ def taken_apart(item: Any, most: int) -> Parts:
 def put_together(kind: str, shape: Sequence[object], arrays: Sequence[Array]) -> Any:
     """Make a sparse matrix from arrays, which may come from untrusted code.
 
-    Raises
-    ------
-    CodecError
-        If the arrays do not describe a sparse matrix, for example if an index is out of range.
+    Raise a CodecError if they do not describe one, for example if an index is out of range.
     """
     _refuse_shape(shape)
     if kind not in _KINDS or len(arrays) != 3 or any(each.ndim != 1 for each in arrays):

@@ -23,16 +23,9 @@ _SHIFTS = np.arange(4, dtype=np.uint8) * 2  # four labels in a byte
 
 @dataclass(frozen=True, eq=False)
 class RecordedLabels:
-    """Labels of a lesson's pictures in a file.
+    """Labels of a lesson's pictures in a file, with a note that the student sees at the first recorded answer.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    pictures : callable
-        Returns all pictures of the lesson that are recorded, each (H, W, 3).
-    note : str
-        Shown to the student at the first recorded answer.
+    `pictures` returns all pictures of the lesson that are recorded, each (H, W, 3).
     """
 
     path: Path
@@ -71,10 +64,7 @@ class RecordedLabels:
     def or_recorded(self, label: Callable[..., Any]) -> Callable[..., Any]:
         """Return a function like `label` that uses recorded labels if a function of lesson 01 is not usable.
 
-        Parameters
-        ----------
-        label : callable
-            ``label(pixels, ...)`` returns labels (H, W). It may call functions of lesson 01.
+        ``label(pixels, ...)`` returns labels (H, W), and may call functions of lesson 01.
         """
         noted: list[bool] = []
 

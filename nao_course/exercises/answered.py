@@ -18,16 +18,10 @@ _UNWRITTEN = "raise NotImplementedError"  # in the released cell of an exercise
 
 @dataclass(frozen=True)
 class Inspection:
-    """Whether a notebook can be read, and how much of it is answered.
+    """Whether a notebook can be read, and how many of its cells and questions are answered, -1 if it cannot be read.
 
-    Parameters
-    ----------
-    problem : str
-        Why it cannot be read, or that nothing in it is answered; empty for an answered notebook.
-    answers : int
-        Number of cells and questions that are answered; -1 if the notebook cannot be read.
-    digest : str
-        SHA-256 of the content, so that equal notebooks are recognised whatever they are called.
+    `problem` is empty for an answered notebook. `digest` is the content's SHA-256, so that equal notebooks are
+    recognised whatever they are called.
     """
 
     problem: str = ""
@@ -41,19 +35,10 @@ class Inspection:
 
 
 def inspect_content(name: str, content: bytes, released: Outline, whole: bytes = b"") -> Inspection:
-    """Read a notebook and count its answers.
+    """Read a notebook of the lesson's file `name`, and count its answers against the notebook as it was released.
 
-    Parameters
-    ----------
-    name : str
-        Name of the lesson's file, for the message if it is not a notebook. Of a notebook that says that it is another
-        lesson's, only cells that define this lesson's exercises are answers.
-    content : bytes
-        The notebook, which may lack its outputs.
-    released : Outline
-        The notebook of the same lesson as it was released.
-    whole : bytes
-        The notebook with its outputs, for the digest, if `content` lacks them.
+    If the notebook says that it is another lesson's, only cells that define this lesson's exercises are answers.
+    `content` may lack the outputs; `whole` then has them, for the digest.
     """
     try:
         text = contents(name, content, released)
@@ -125,8 +110,6 @@ class CopyInFolder:
 def lesson_of_notebook(file: str, lessons: Sequence[str]) -> str:
     """Return the lesson that a notebook is named after, with other words behind it or not; often empty.
 
-    Examples
-    --------
     >>> lesson_of_notebook("Kopie von 01_hsl_filtering (1).ipynb", ["01_hsl_filtering"])
     '01_hsl_filtering'
     """

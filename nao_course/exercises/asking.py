@@ -86,16 +86,8 @@ def ask(question: PublicQuestion) -> Any:
 class Prediction:
     """A student's prediction, which is written before an experiment and compared with its result.
 
-    Parameters
-    ----------
-    text : str
-        The question.
-    unit : str
-        Unit of the number: a sign such as "m" or "%", or a noun in the plural, which loses its s after 1.
-    low, high : float
-        Smallest and largest possible value.
-    choices : tuple of str
-        Possible answers, if the prediction is not a number.
+    The answer is a number from `low` to `high` or one of the `choices`. The unit is a sign such as "m" or "%", or a
+    noun in the plural, which loses its s after 1.
     """
 
     def __init__(
@@ -110,10 +102,7 @@ class Prediction:
     def write(self, typed: object) -> Message:
         """Store a prediction, or return a message that explains why the input is not valid.
 
-        Parameters
-        ----------
-        typed : str or float
-            A number with or without the unit, or one of the choices, or its number from 1.
+        It is a number with or without the unit, or one of the choices or its number from 1.
         """
         if self.final:
             return Message(f"You have already seen the result. {self.said()}")
@@ -125,13 +114,7 @@ class Prediction:
         return Message(self.said())
 
     def beside(self, measured: float | str) -> Message:
-        """Return a line that compares the prediction with the result.
-
-        Parameters
-        ----------
-        measured : float or str
-            The result in the prediction's unit, or the right choice.
-        """
+        """Return a line that compares the prediction with the result."""
         self._measured = measured
         self.final = self.value is not None
         if self._view is not None:

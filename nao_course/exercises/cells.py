@@ -16,20 +16,7 @@ _DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]", re.MULTILINE)
 
 
 def metadata(part: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """Return the metadata of a cell or notebook under a key.
-
-    Parameters
-    ----------
-    part : mapping
-        A cell or a notebook from any source, as parsed from JSON or by nbformat.
-    key : str
-        Key, such as "nbgrader" or "nao_course".
-
-    Returns
-    -------
-    dict
-        The metadata; empty if they are missing or not a dict.
-    """
+    """Return the metadata of a cell or notebook from any source under a key, such as "nbgrader"; empty without any."""
     held = part.get("metadata")
     value = held.get(key) if isinstance(held, dict) else None
     return value if isinstance(value, dict) else {}

@@ -38,23 +38,7 @@ class CheckFailed(AssertionError):  # noqa: N818 - it reads as a sentence in a t
 
 
 def read_public(name: str) -> PublicLesson:
-    """Read the data of a lesson's checks.
-
-    Parameters
-    ----------
-    name : str
-        Name of the lesson, such as "01_hsl_filtering".
-
-    Returns
-    -------
-    PublicLesson
-        Exercises and questions of the lesson.
-
-    Raises
-    ------
-    ValueError
-        If there is no such lesson.
-    """
+    """Read the checks' data of a lesson such as "01_hsl_filtering"; raise a ValueError if there is no such lesson."""
     there = lessons()
     if name not in there:
         raise ValueError(f"there is no lesson {name!r} with checks; choose one of {there}")
@@ -103,19 +87,7 @@ def unpack(data: bytes) -> PublicLesson:
 def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = np.inf) -> Report:
     """Run an exercise's public cases on a function.
 
-    Parameters
-    ----------
-    exercise : PublicExercise
-        The exercise.
-    function : callable
-        The student's function or class.
-    most_seconds : float
-        Time limit of a case, if it is shorter than the exercise's own limit.
-
-    Returns
-    -------
-    Report
-        The result.
+    `most_seconds` limits a case, if it is shorter than the exercise's own limit.
     """
     title = f"{exercise.number} {exercise.name}"
     if not (callable(function) or exercise.driver):
@@ -169,14 +141,7 @@ def _said_of_warning(warning: warnings.WarningMessage) -> str:
 class Hint(Message):
     """A hint that records whether it was shown, because a notebook shows only the last value of a cell.
 
-    Parameters
-    ----------
-    text : str
-        The hint.
-    number : int
-        Index among the exercise's hints, from 0.
-    missed : tuple of Hint
-        Earlier hints that were not shown, which are shown together with this hint.
+    `number` counts from 0, and `missed` are earlier hints that were not shown, which are shown together with this hint.
     """
 
     number: int = 0
@@ -233,25 +198,11 @@ class Checks:
         raise ValueError(f"lesson {self.lesson.name} has no exercise {name!r}; it has {names}")
 
     def __call__(self, name: str, function: Any) -> Report | Message | None:
-        """Check your function.
+        """Check your function and return a report, which is shown below the cell.
 
-        Parameters
-        ----------
-        name : str
-            Name of the exercise.
-        function : callable
-            Your function.
-
-        Returns
-        -------
-        Report
-            The report, shown below the cell. None under nbgrader, after the report was shown: nbgrader reads a cell's
-            value as points, and any output on stderr, such as a warning, makes them 0.
-
-        Raises
-        ------
-        CheckFailed
-            If the function is wrong and NBGRADER_EXECUTION or NAO_COURSE_STRICT is set.
+        The report is None under nbgrader, after it was shown: nbgrader reads a cell's value as points, and any output
+        on stderr, such as a warning, makes them 0. If NBGRADER_EXECUTION or NAO_COURSE_STRICT is set, a wrong function
+        raises CheckFailed.
         """
         with redirect_stderr(sys.stdout) if _under_nbgrader() else nullcontext():
             report = self._said(name, function)
@@ -394,13 +345,7 @@ _DEFINE_INSIDE = (
 
 
 def _global_names(function: Any) -> list[str]:
-    """Return the global names that a function uses, also in functions within it.
-
-    Parameters
-    ----------
-    function : object
-        A function; any other object uses none.
-    """
+    """Return the global names that a function uses, also in functions within it; any other object uses none."""
     code = getattr(function, "__code__", None)
     return list(dict.fromkeys(_loaded([code] if isinstance(code, CodeType) else [])))
 

@@ -50,17 +50,7 @@ _LONGEST_CHECK = 1000  # characters of a cell that is looked through for calls o
 
 @dataclass(frozen=True)
 class Skipped:
-    """A statement that did not run, or failed.
-
-    Parameters
-    ----------
-    cell : int
-        Number of the code cell, from 1.
-    line : int
-        Line in the cell, from 1; 0 for the whole cell.
-    reason : str
-        Why it did not run.
-    """
+    """A statement that did not run, or failed: cell and line in it, from 1, and the reason; 0 is the whole cell."""
 
     cell: int
     line: int
@@ -375,20 +365,10 @@ class _Loading:
 
 
 def demonstrated(cells: Sequence[tuple[str, str]]) -> list[str]:
-    """Return the names that are assigned only in cells which the grader does not run.
+    """Return, in alphabetical order, the names that are assigned only in cells which the grader does not run.
 
-    Parameters
-    ----------
-    cells : sequence of (str, str)
-        Role and source of each code cell, as `read_cells` returns them.
+    The cells are roles and sources, as `read_cells` returns them.
 
-    Returns
-    -------
-    list of str
-        In alphabetical order.
-
-    Examples
-    --------
     >>> demonstrated([("setup", "import numpy as np"), ("display", "mean = 3"), ("solution", "def double(x): ...")])
     ['mean']
     """

@@ -31,8 +31,6 @@ class EarlierNotUsable(RuntimeError):  # noqa: N818 - it reads as a sentence
 def split_use(use: str) -> tuple[str, str]:
     """Split the name of a used function into lesson and exercise; an empty lesson is the same lesson.
 
-    Examples
-    --------
     >>> split_use("1:color_labels"), split_use("hue_mask")
     (('01', 'color_labels'), ('', 'hue_mask'))
     """
@@ -43,8 +41,6 @@ def split_use(use: str) -> tuple[str, str]:
 def in_words(use: str) -> str:
     """Describe a used function for a student: "color_labels of your lesson 01".
 
-    Examples
-    --------
     >>> in_words("01:color_labels"), in_words("hue_mask")
     ('color_labels of your lesson 01', 'hue_mask')
     """
@@ -75,14 +71,9 @@ def assigned_use(statement: ast.stmt) -> tuple[str, str] | None:
 
 @dataclass(frozen=True)
 class EarlierFunction:
-    """A function of an earlier lesson, which is looked up at each call.
+    """A function of an earlier lesson, such as "01:color_labels", which is looked up at each call.
 
-    Parameters
-    ----------
-    use : str
-        Lesson and function: "01:color_labels".
-    find : callable
-        Returns the function, or raises EarlierNotUsable; it is called at each use.
+    `find` returns the function, or raises EarlierNotUsable.
     """
 
     use: str
@@ -120,19 +111,8 @@ class EarlierFunction:
 def stand_in(use: str, find: Callable[[], Any], like: Any = None) -> Any:
     """Return an `EarlierFunction`, or the class itself, so that it can be a base class.
 
-    Parameters
-    ----------
-    use : str
-        Lesson and function: "01:color_labels".
-    find : callable
-        Returns the function, or raises EarlierNotUsable; it is called at each use.
-    like : callable, optional
-        A function with the same signature and docstring, used if the student's is blank or wrong.
-
-    Returns
-    -------
-    callable
-        A function that `help`, ``?`` and Shift-Tab show like the function it replaces, but without its source.
+    `help`, ``?`` and Shift-Tab show it like `like`, a function with the same signature and docstring, which is used if
+    the student's is blank or wrong, but without its source.
     """
     with suppress(EarlierNotUsable):
         like = find()
@@ -181,18 +161,10 @@ def is_resolved() -> bool:
 @register
 @dataclass(frozen=True)
 class EarlierCall:
-    """A call of an earlier lesson's function that the reference makes in a public case.
+    """A call of an earlier lesson's function, such as "01:color_labels", that the reference makes in a public case.
 
-    Parameters
-    ----------
-    use : str
-        Lesson and function: "01:color_labels".
-    parameters : list of str
-        Names of its parameters, in their order.
-    given : dict of str to object
-        Arguments by the parameters' names.
-    answer : object
-        Returned value.
+    `given` are the arguments by the names of the parameters, which are in their order, and `answer` is the returned
+    value.
     """
 
     use: str
@@ -202,13 +174,7 @@ class EarlierCall:
 
 
 class CallsWhenNeeded(Sequence[EarlierCall]):
-    """Recorded calls that are read when the first of them is needed, and kept from then on.
-
-    Parameters
-    ----------
-    read : callable
-        Returns the calls.
-    """
+    """Recorded calls that are read when the first of them is needed, and kept from then on."""
 
     def __init__(self, read: Callable[[], Sequence[EarlierCall]]) -> None:
         self._read = read
@@ -230,18 +196,8 @@ class CallsWhenNeeded(Sequence[EarlierCall]):
 class Calls:
     """Calls of earlier functions while a block runs: known calls are answered, and new calls are recorded.
 
-    Parameters
-    ----------
-    known : sequence of EarlierCall
-        Known calls, which replace functions that are not usable.
-    made : list of EarlierCall
-        Calls of usable functions, if they are recorded.
-    answered : dict of str to str
-        Functions whose answers came from `known`, and why they were not usable.
-    keep : bool
-        Whether calls are recorded in `made`.
-    missed : set of bytes
-        Digests of calls that no recorded call answers.
+    `known` calls replace functions that are not usable, and `answered` says why they were not. If `keep`, calls of
+    usable functions are recorded in `made`; `missed` has the digests of calls that no recorded call answers.
     """
 
     known: Sequence[EarlierCall] = ()
@@ -269,14 +225,9 @@ class Calls:
     def answer(
         self, use: str, args: tuple[Any, ...], kwargs: dict[str, Any], reason: EarlierNotUsable
     ) -> Any:
-        """Return the recorded answer to a call.
+        """Return the recorded answer to a call, or raise EarlierNotUsable if no call with these inputs was recorded.
 
-        Raises
-        ------
-        TypeError
-            If the function does not have these arguments.
-        EarlierNotUsable
-            If no call with these inputs was recorded.
+        Raise a TypeError if the function does not have these arguments.
         """
         found = self.find(use, args, kwargs)
         if found:

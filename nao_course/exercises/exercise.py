@@ -199,15 +199,10 @@ class LessonPlan:
 @register
 @dataclass(frozen=True)
 class PublicMistake:
-    """A mistake's message, and its wrong answers to the public cases.
+    """A mistake's message for the student, and its wrong answers to public cases by the case's number, as text.
 
-    Parameters
-    ----------
-    message : str
-        Message for the student.
-    answers : dict of str to object
-        Answers by the number of the case, as text. An exception is {"raises": name}. A rounding error, which differs
-        between processors, is {"unstable": answer or exception}.
+    An exception is {"raises": name}. A rounding error, which differs between processors, is {"unstable": answer or
+    exception}.
     """
 
     message: str
@@ -217,17 +212,10 @@ class PublicMistake:
 @register
 @dataclass(frozen=True)
 class MistakePair:
-    """Two mistakes that are made together, with the answers by which they are recognised.
+    """Two mistakes of an exercise, by their indices, made together, with the answers by which they are recognised.
 
-    Parameters
-    ----------
-    mistakes : (int, int)
-        Indices of both mistakes in the exercise.
-    wrong : list of int
-        Numbers of all cases whose answers are wrong.
-    answers : dict of str to object
-        The answers to a few of these cases, by the number of the case as text. No single mistake and no other pair
-        has all of them.
+    `wrong` are the numbers of all cases whose answers are wrong. `answers` are to a few of these cases, by their
+    numbers as text; no single mistake and no other pair has all of them.
     """
 
     mistakes: tuple[int, int]
@@ -238,36 +226,11 @@ class MistakePair:
 @register
 @dataclass(frozen=True)
 class PublicExercise:
-    """The public data of an exercise, which `check` uses.
+    """The public data of an exercise: public cases with expected answers, recognised mistakes, points, hints.
 
-    Parameters
-    ----------
-    name, number : str
-        Name of the function, and number in the lesson: "1.3".
-    points : float
-        Points of the exercise.
-    stars : int
-        Difficulty.
-    comparison : Comparison
-        How answers are compared.
-    cases : list of Case
-        Public cases with the expected answers.
-    mistakes : list of PublicMistake
-        Mistakes that the check recognises.
-    hints : list of str
-        Two hints.
-    driver : str
-        As in Exercise.
-    in_place : bool
-        As in Exercise.
-    seconds : float
-        As in Exercise.
-    earlier : sequence of EarlierCall
-        Calls of earlier lessons' functions that the reference makes in these cases.
-    uses : list of str
-        As in Exercise.
-    pairs : list of MistakePair
-        Pairs that the check recognises if no single mistake fits.
+    The number in the lesson is such as "1.3"; `comparison` says how answers are compared. `driver`, `in_place`,
+    `seconds` and `uses` are as in `Exercise`. `earlier` are calls of earlier lessons' functions that the reference
+    makes in these cases, and `pairs` are recognised if no single mistake fits.
     """
 
     name: str

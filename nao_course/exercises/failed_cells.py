@@ -77,21 +77,8 @@ FAILED_CELLS = FailedCells()  # of this kernel
 def defining_cell(name: str, sources: Sequence[str]) -> tuple[int, list[str], int]:
     """Find the last code cell that begins to define a function or class, without running anything.
 
-    Parameters
-    ----------
-    name : str
-        Name of the function or class.
-    sources : sequence of str
-        Source of each code cell.
-
-    Returns
-    -------
-    cell : int
-        Number of the cell from 1; 0 if there is none.
-    lines : list of str
-        Lines of the cell.
-    start : int
-        Index of the line of the definition.
+    Return the cell's number from 1, its lines, and the index of the definition's line; the number is 0 if there is
+    none.
     """
     begins = re.compile(rf"(?:async +)?(?:def|class) +{re.escape(name)}\b")
     for number in range(len(sources), 0, -1):
@@ -102,17 +89,7 @@ def defining_cell(name: str, sources: Sequence[str]) -> tuple[int, list[str], in
 
 
 def why_missing(name: str, skipped: Iterable[Skipped], sources: Sequence[str]) -> str:
-    """Return why the cell that defines a function or class failed, in a sentence; empty if it did not fail.
-
-    Parameters
-    ----------
-    name : str
-        Name of the function or class.
-    skipped : iterable of Skipped
-        Statements that did not run.
-    sources : sequence of str
-        Source of each code cell.
-    """
+    """Return why the cell that defines a function or class failed, in a sentence; empty if it did not fail."""
     cell, _, start = defining_cell(name, sources)
     for each in skipped:
         kind, _, message = each.reason.partition(":")
@@ -131,15 +108,7 @@ def why_missing(name: str, skipped: Iterable[Skipped], sources: Sequence[str]) -
 
 
 def where_reused(lines: Iterable[str], sources: Sequence[str]) -> list[str]:
-    """Name the code cell that uses the name of a module or function for a value, if a report says that one does.
-
-    Parameters
-    ----------
-    lines : iterable of str
-        Lines of the report.
-    sources : sequence of str
-        Source of each code cell.
-    """
+    """Name the code cell that uses the name of a module or function for a value, if a report says that one does."""
     for name in _REUSED.findall("\n".join(lines))[:1]:
         cells = [
             number

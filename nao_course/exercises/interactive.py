@@ -95,18 +95,9 @@ class _NoShell:
 def unattended(*functions: object) -> Iterator[dict[str, None]]:
     """Replace all interactive functions in the block.
 
-    Functions that show something do nothing, and functions that ask a person raise `InteractiveCall`. Standard input
-    is empty.
-
-    Parameters
-    ----------
-    *functions : object
-        Functions or classes that will be called; their modules may hold interactive functions under other names.
-
-    Yields
-    ------
-    dict of str to None
-        Grows with the names of the functions that did nothing.
+    Functions that show something do nothing, and functions that ask a person raise `InteractiveCall`. Standard input is
+    empty. Modules of the `functions` may hold interactive functions under other names, which are replaced too. The
+    yielded dict grows with the names of the functions that did nothing.
     """
     global _shown
     before: list[tuple[dict[str, Any], str, Any]] = []
@@ -154,10 +145,7 @@ def _namespace(function: object) -> dict[str, Any]:
 def remark_on(shown: Iterable[str]) -> str:
     """Return a sentence about calls that did nothing; empty without any.
 
-    Parameters
-    ----------
-    shown : iterable of str
-        Names of the calls; all others are ignored, because an untrusted process may have sent them.
+    Names of other calls are ignored, because an untrusted process may have sent them.
     """
     names = [name for name in dict.fromkeys(shown) if name in SHOWS]
     if not names:

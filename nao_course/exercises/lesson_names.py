@@ -25,8 +25,6 @@ _COPY_OF = re.compile(
 def number_of(lesson: str) -> str:
     """Return the number in a lesson's name.
 
-    Examples
-    --------
     >>> number_of("01_hsl_filtering")
     '01'
     """
@@ -36,15 +34,6 @@ def number_of(lesson: str) -> str:
 def meant(word: str, lessons: Iterable[str]) -> list[str]:
     """Return the lessons that a number or name refers to, in their order.
 
-    Parameters
-    ----------
-    word : str
-        The text that a person typed.
-    lessons : iterable of str
-        Names of all lessons.
-
-    Examples
-    --------
     >>> meant("1", ["00_meet_the_nao", "01_hsl_filtering"])
     ['01_hsl_filtering']
     """
@@ -69,8 +58,6 @@ def found_in(file: str, lessons: Sequence[str]) -> Iterator[tuple[str, str, str]
 
     The marks of copies do not count: `Copy of` before the lesson's name, `(1)`, `-Copy1` or `v2` behind it.
 
-    Examples
-    --------
     >>> list(found_in("Ben - Copy of 01_HSL_filtering (1).ipynb", ["01_hsl_filtering"]))
     [('01_hsl_filtering', 'Ben - ', '')]
     """
@@ -89,8 +76,6 @@ def found_in(file: str, lessons: Sequence[str]) -> Iterator[tuple[str, str, str]
 def lesson_of(file: str, lessons: Sequence[str]) -> str:
     """Return the lesson that a file is named after, or an empty string.
 
-    Examples
-    --------
     >>> lesson_of("my 01_HSL_filtering final v2 (3)-Copy1.ipynb", ["01_hsl_filtering"])
     '01_hsl_filtering'
     """
@@ -103,8 +88,6 @@ def lesson_of(file: str, lessons: Sequence[str]) -> str:
 def lesson_and_more(file: str, lessons: Sequence[str]) -> tuple[str, str]:
     """Return the lesson that a file's name begins with and the other words behind it, or two empty strings.
 
-    Examples
-    --------
     >>> lesson_and_more("01_hsl_filtering_ada (1).ipynb", ["01_hsl_filtering"])
     ('01_hsl_filtering', 'ada (1)')
     """

@@ -36,22 +36,12 @@ _MAGIC = re.compile(r"\s*+(%%(?!(?:time|timeit|capture|prun)\b)\w*)")
 
 @dataclass(frozen=True)
 class NotebookText:
-    """The contents of a notebook before any of its code runs.
+    """The contents of a notebook before any of its code runs: role (see `Outline.role`) and source of each code cell.
 
-    Parameters
-    ----------
-    cells : list of (str, str)
-        Role and source of each code cell; see `Outline.role`.
-    written : mapping of str to str
-        Written answers by the name of their question; at most MOST_WRITTEN characters each.
-    lesson, version : str
-        Lesson and version in the notebook's metadata; empty if they are missing.
-    python : str
-        Version of Python of the kernel that saved it, such as "3.11.7"; empty if it is missing.
-    remarks : mapping of str to str
-        What is unusual about the cells of a question, by its name.
-    elsewhere : mapping of str to str
-        Why a definition of an exercise does not run although the notebook contains its text, by the exercise's name.
+    `written` are the answers by question, of at most MOST_WRITTEN characters, and `remarks` say what is unusual about a
+    question's cells. Lesson, version and Python's version of the kernel that saved it, such as "3.11.7", are empty if
+    they are missing. `elsewhere` says why a definition of an exercise does not run although the notebook contains its
+    text.
     """
 
     cells: list[tuple[str, str]] = field(default_factory=list)
@@ -69,21 +59,9 @@ def read_cells(path: str | Path, released: Outline = UNKNOWN) -> list[tuple[str,
 
 
 def read_notebook(path: str | Path, released: Outline = UNKNOWN) -> NotebookText:
-    """Read the contents of a notebook.
+    """Read the contents of a notebook; raise a ValueError that explains why if it is not one.
 
-    Parameters
-    ----------
-    path : str or Path
-        Path of the notebook.
-    released : Outline
-        The notebook of the same lesson as it was released. Cells are then also recognised without their metadata.
-
-    Raises
-    ------
-    FileNotFoundError
-        If the file does not exist.
-    ValueError
-        If it is not a notebook; the message explains why.
+    With the notebook of the same lesson as it was released, cells are also recognised without their metadata.
     """
     file = Path(path)
     return contents(file.name, read_bounded(file), released)
@@ -106,17 +84,8 @@ def contents(name: str, content: bytes | bytearray, released: Outline = UNKNOWN)
 def without_outputs(name: str, content: bytes | bytearray) -> bytes:
     """Return a notebook that holds only what is graded: its cells without outputs, and its lesson and version.
 
-    Parameters
-    ----------
-    name : str
-        Name of the file, for the message if it is not a notebook.
-    content : bytes
-        The notebook.
-
-    Raises
-    ------
-    ValueError
-        If it is not a notebook, or larger than LARGEST_CODE without its outputs; the message explains why.
+    Raise a ValueError that names the file and explains why if it is not a notebook, or larger than LARGEST_CODE without
+    its outputs.
     """
     _, notebook = _contents(name, content, UNKNOWN)
     cells = [

@@ -117,8 +117,6 @@ UNKNOWN = Outline()  # of a lesson that is not known
 def read_outline(name: str) -> Outline:
     """Return the outline of the lesson that a notebook's name begins with; of an unknown lesson it is empty.
 
-    Examples
-    --------
     >>> len(read_outline("01_hsl_filtering (1)").exercises), len(read_outline("notes").exercises)
     (6, 0)
     """

@@ -150,18 +150,9 @@ def register_driver(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def find_driver(name: str) -> Callable[..., Any]:
-    """Return a registered driver.
+    """Return a registered driver such as "jacobian", or raise a ValueError if there is none of that name.
 
-    Parameters
-    ----------
-    name : str
-        Name such as "jacobian". If a module outside of `nao_course.exercises` registers the driver, the module and a
-        colon come first.
-
-    Raises
-    ------
-    ValueError
-        If no driver has that name.
+    If a module outside of `nao_course.exercises` registers the driver, the module and a colon come first.
     """
     module, _, function = name.rpartition(":")
     if module.startswith("nao_course."):
@@ -219,14 +210,7 @@ def call_as_it_is(
 ) -> Outcome:
     """Call a function like `call`, but with the arguments in a case's frame, and return its value unchanged.
 
-    Parameters
-    ----------
-    function, driver : callable, str
-        As in `call`.
-    frame : bytes
-        As `Case.frame`.
-    trusted : bool
-        As in `codec.decode`.
+    `frame` is as `Case.frame`, and `trusted` as in `codec.decode`.
     """
     args, kwargs = given = decode(frame, trusted=trusted)
     with unattended(function) as shown:
@@ -303,12 +287,8 @@ def is_own(filename: str) -> bool:
 def own_frames(error: BaseException) -> tuple[list[traceback.FrameSummary], str]:
     """Return the frames of an exception in this notebook, and the earlier lesson's function that raised it, if any.
 
-    Returns
-    -------
-    list of FrameSummary
-        Frames outside of libraries, up to the call of a function of an earlier lesson.
-    str
-        That function: "predict_pose of your lesson 05"; empty if the exception was raised elsewhere.
+    The frames are outside of libraries, up to the call of the earlier function, such as "predict_pose of your lesson
+    05".
     """
     walked = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
     frames = traceback.extract_tb(error.__traceback__)

@@ -92,8 +92,6 @@ def _run_by(magic: str, code: str) -> list[ast.stmt]:
 def is_doubled(source: str) -> bool:
     r"""Return whether a cell contains its text twice, with or without a line end between.
 
-    Examples
-    --------
     >>> is_doubled("x = 1\nx = 1"), is_doubled("x = 1x = 1"), is_doubled("x = 1")
     (True, True, False)
     """
@@ -165,10 +163,7 @@ class _Scope:
 class Program:
     """The statements of a notebook, and which of them the functions of some names depend on.
 
-    Parameters
-    ----------
-    statements : iterable of stmt
-        All statements that may run, and the imports of the others.
+    It is made from all statements that may run, and the imports of the others.
     """
 
     def __init__(self, statements: Iterable[ast.stmt]) -> None:

@@ -49,8 +49,6 @@ class _SaidBefore(Exception):  # noqa: N818 - it is a sentence on its way
 def made(what: T | Message) -> T:
     """Return the result of an earlier `try_out`; if that failed, its message is shown again.
 
-    Examples
-    --------
     >>> def unwritten():
     ...     raise NotImplementedError
     >>> table = try_out(unwritten, "Finish exercise 0.1.")
@@ -64,15 +62,7 @@ def made(what: T | Message) -> T:
 
 @dataclass(frozen=True)
 class Remarked:
-    """A shown value with a sentence above it.
-
-    Parameters
-    ----------
-    text : str
-        What to say.
-    shown : object
-        Value below the sentence.
-    """
+    """A shown value with a sentence above it."""
 
     text: str
     shown: object
@@ -171,22 +161,10 @@ _RUN_ABOVE = (
 
 
 def advice_on(complaint: str, line: str = "") -> list[str]:
-    """Return the first advice that fits an exception, because its own message does not help a beginner.
+    """Return the first advice, one sentence at most, on an exception, because its own message does not help a beginner.
 
-    Parameters
-    ----------
-    complaint : str
-        The exception's class and message.
-    line : str
-        The student's line that raised it, if it is known.
+    The complaint is the exception's class and message, and `line` the student's line that raised it, if it is known.
 
-    Returns
-    -------
-    list of str
-        At most one sentence of advice.
-
-    Examples
-    --------
     >>> advice_on("ValueError: high <= 0")
     ['rng.integers excludes its upper end: pass the size itself, not one less.']
     """
@@ -283,11 +261,6 @@ class _LongCall:
 
     A demonstration may be slow and may call a student's function many times, but each call has a time limit. A call is
     identified by the outermost frame of a student's function from another cell.
-
-    Parameters
-    ----------
-    seconds : float
-        Time limit of one call.
     """
 
     def __init__(self, seconds: float) -> None:

@@ -40,12 +40,9 @@ def numbers(text: str) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Newer:
-    """Versions of a notebook that are newer than the installed ones; false if there are none.
+    """Versions of a notebook that are newer than the installed ones, both by name; false if there are none.
 
-    Parameters
-    ----------
-    theirs, here : mapping of str to str
-        Versions by name: "python", "numpy", "opencv-python-headless" and "scipy".
+    The names are "python", "numpy", "opencv-python-headless" and "scipy".
     """
 
     theirs: Mapping[str, str]
@@ -66,10 +63,7 @@ class Newer:
     def explains(self, error: str) -> bool:
         """Return whether an error may come from the older version here, and not from the notebook.
 
-        Parameters
-        ----------
-        error : str
-            Type and message of an exception, possibly within a longer text.
+        The error is an exception's type and message, possibly within a longer text.
         """
         python = "python" in self.theirs
         if python and (_NEW_SYNTAX.search(error) or "unexpected keyword argument" in error):

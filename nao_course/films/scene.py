@@ -75,18 +75,8 @@ def scene_data(
 ) -> dict[str, Any]:
     """Return everything of a map that does not move.
 
-    Parameters
-    ----------
-    field : Field or None
-        Drawn under the layers; None for a map without a field.
-    layers : sequence of Layer
-        From the lowest to the highest.
-    bounds : sequence of float
-        Limits of the map: x_min, y_min, x_max, y_max, m.
-    alt : str
-        Text alternative.
-    tallest : int
-        Largest height of the map, px.
+    The bounds are x_min, y_min, x_max, y_max in m, `tallest` is the largest height of the map in px, and the layers are
+    ordered from the lowest to the highest, above the field if there is one.
     """
     return {
         "bounds": whole(bounds),

@@ -15,21 +15,10 @@ POSITIVE, NEGATIVE = "#2c6e8f", "#e39a2d"
 
 
 def paint_matrix(matrix: npt.ArrayLike, border: int, newest: Sequence[int] = ()) -> npt.NDArray[np.uint8]:
-    """Paint which entries of a matrix are positive, negative and zero, one cell each.
+    """Paint which entries of a matrix (N, N) are positive, negative and zero, one cell each: RGB (20 N, 20 N, 3).
 
-    Parameters
-    ----------
-    matrix : ndarray, shape (N, N)
-        Information matrix.
-    border : int
-        Number of rows that belong to poses, which come first; a line separates them from the landmarks.
-    newest : sequence of int
-        Rows and columns of the newest constraint or edge, whose cells are framed.
-
-    Returns
-    -------
-    ndarray of uint8, shape (20 N, 20 N, 3)
-        RGB.
+    A line separates the first `border` rows, of the poses, from the landmarks; the cells of the rows and columns in
+    `newest`, the newest constraint or edge, are framed.
     """
     colours = np.array([_rgb(NEGATIVE), (255, 255, 255), _rgb(POSITIVE)], dtype=np.uint8)
     signs = np.nan_to_num(np.sign(matrix)).astype(int) + 1

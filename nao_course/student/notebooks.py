@@ -41,24 +41,11 @@ _NOT_RIGHT = {
 
 @dataclass(frozen=True)
 class StudentFunctions(Mapping[str, Callable[..., Any]]):
-    """The student's functions of one lesson that pass their public checks.
+    """The student's functions of one lesson, such as "01_hsl_filtering", that pass their public checks.
 
-    Parameters
-    ----------
-    lesson : str
-        Name of the lesson, such as "01_hsl_filtering".
-    right : mapping of str to callable
-        The functions that pass.
-    reports : tuple of Report
-        Reports on the exercises that do not pass.
-    unwritten : tuple of str
-        Numbers of the written questions without an answer.
-    remarks : mapping of str to tuple of str
-        Further remarks of the checks about functions that pass.
-    problem : str
-        Why the notebook cannot be read; empty if it can.
-    skipped : tuple of Skipped
-        Statements of the notebook that failed.
+    `reports` are on the exercises that do not pass, `unwritten` are the numbers of the written questions without an
+    answer, `remarks` are further remarks of the checks about functions that pass, `problem` says why the notebook
+    cannot be read, and `skipped` are its statements that failed.
     """
 
     lesson: str
@@ -70,13 +57,7 @@ class StudentFunctions(Mapping[str, Callable[..., Any]]):
     skipped: tuple[Skipped, ...] = ()
 
     def __getitem__(self, name: str) -> Callable[..., Any]:
-        """Return a function.
-
-        Raises
-        ------
-        KeyError
-            If the function is missing or wrong; the message explains why.
-        """
+        """Return a function; if it is missing or wrong, raise a KeyError whose message explains why."""
         if name in self.right:
             return self.right[name]
         for report in self.reports:
@@ -260,25 +241,10 @@ def notebooks_folder(folder: str | Path | None = None) -> Path:
 def own_function(
     use: str, given: Mapping[str, Any], folder: Path, most_seconds: float = np.inf
 ) -> tuple[Any, str]:
-    """Return the student's own function, if it passes its public checks.
+    """Return the student's own function, and an empty text, if it passes its public checks; else None and why not.
 
-    Parameters
-    ----------
-    use : str
-        Lesson and function: "01:color_labels".
-    given : mapping of str to object
-        Functions by name, which are used first if they pass their checks.
-    folder : Path
-        Folder of the saved notebooks, for the others.
-    most_seconds : float
-        As in `functions`.
-
-    Returns
-    -------
-    function : object
-        The function; None if it does not pass.
-    why : str
-        Why it does not pass: "color_labels of lesson 01 is not written yet".
+    Functions in `given` are used first if they pass their checks, then the saved notebooks in the folder.
+    `use` is such as "01:color_labels", and a reason such as "color_labels of lesson 01 is not written yet".
     """
     lesson, exercise = _exercise(use)
     reports = []
@@ -302,19 +268,9 @@ def _lacking(lesson: str, report: Report) -> str:
 
 
 def stored_result(use: str, folder: Path) -> str | None:
-    """Return the stored result of an earlier check of the student's own function.
+    """Return the stored result of an earlier check of the student's function `use`, such as "01:color_labels".
 
-    Parameters
-    ----------
-    use : str
-        Lesson and function: "01:color_labels".
-    folder : Path
-        Folder of the saved notebooks.
-
-    Returns
-    -------
-    str or None
-        Why the function does not pass; empty if it passes, and None if the notebooks were saved after the check.
+    It says why the function does not pass, is empty if it does, and None if the notebooks were saved after the check.
     """
     lesson, exercise = _exercise(use)
     return verdicts.kept(notebook_of(lesson, folder), exercise.name)

@@ -17,24 +17,11 @@ _HEADINGS = ("lesson", "state", "exercises that pass", "points", "in your own wo
 
 @dataclass(frozen=True)
 class LessonProgress:
-    """Progress in one lesson.
+    """Progress in one lesson, such as "01_hsl_filtering".
 
-    Parameters
-    ----------
-    lesson : str
-        Name of the lesson, such as "01_hsl_filtering".
-    passed, exercises : int
-        Number of exercises that pass their public checks, and of all exercises.
-    earned, points : float
-        Points of the exercises that pass, and of all exercises.
-    answered, written : int
-        Number of written answers that are filled in, and of all written answers.
-    written_points : float
-        Points of the written answers, which a person marks.
-    problem : str
-        Why the notebook cannot be read; empty if it can.
-    upcoming : str
-        Next task in the lesson; empty if it is complete.
+    `passed` counts the exercises that pass their public checks, with `earned` of all `points`; `answered` counts the
+    written answers that are filled in, whose points a person marks. `problem` says why the notebook cannot be read, and
+    `upcoming` is the next task; both may be empty.
     """
 
     lesson: str
@@ -71,13 +58,7 @@ class LessonProgress:
 
 @dataclass(frozen=True)
 class Progress:
-    """Progress in all lessons, shown as a table.
-
-    Parameters
-    ----------
-    lessons : tuple of LessonProgress
-        Lessons in the course's order.
-    """
+    """Progress in all lessons, shown as a table."""
 
     lessons: tuple[LessonProgress, ...]
 

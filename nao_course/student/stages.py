@@ -38,16 +38,8 @@ PLANNED = {
 class Readiness:
     """The stages of the robot that are ready, and the reasons why others are not.
 
-    Parameters
-    ----------
-    stages : tuple of Stage
-        The stages that can run.
-    functions : mapping of str to callable
-        The student's functions that these stages call.
-    missing : mapping of str to str
-        Why each other stage cannot run, by its name.
-    remarks : tuple of str
-        Sentences about optional functions that ready stages lack.
+    `functions` are the student's functions that the ready `stages` call, `missing` says why each other stage cannot
+    run, and `remarks` are sentences about optional functions that ready stages lack.
     """
 
     stages: tuple[Stage, ...] = ()
@@ -69,15 +61,8 @@ def all_stages() -> list[Stage]:
 def readiness(stages: Sequence[Stage], given: Mapping[str, Any], folder: Path) -> Readiness:
     """Determine which stages can run.
 
-    Parameters
-    ----------
-    stages : sequence of Stage
-        All stages.
-    given : mapping of str to object
-        Functions by name, for example from the present notebook. If one does not pass its public checks, the
-        function of the saved notebook is used instead.
-    folder : Path
-        Folder of the saved notebooks.
+    `given` are functions by name, for example from the present notebook. If one does not pass its public checks, the
+    function of the saved notebook in the folder is used instead.
     """
     found = Readiness()
     for stage in stages:
@@ -106,13 +91,7 @@ def add_ready(
 
 
 def add_from_stored(found: Readiness, stage: Stage, folder: Path) -> Readiness | None:
-    """Add one stage, without its functions, to a `Readiness` with the stored results of earlier checks.
-
-    Returns
-    -------
-    Readiness or None
-        None if a notebook was saved after its last check.
-    """
+    """Add one stage, without its functions, by stored results of earlier checks; None if a notebook was saved since."""
     lacking = _lacks_first(found, stage)
     for use in () if lacking else _full(stage, stage.uses):
         stored = stored_result(use, folder)

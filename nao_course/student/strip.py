@@ -35,18 +35,9 @@ SECONDS = 0.45  # for checking the notebooks: every lesson begins with this line
 class RobotStatus:
     """A line about the stages of the student's robot.
 
-    Parameters
-    ----------
-    ready : tuple of str
-        Stages that are ready, such as "labels (01)".
-    coming : str
-        Next stage, such as "goal posts (02)"; empty if there is no further stage.
-    why : str
-        Why the next stage is not ready; empty if its lesson has not been begun.
-    idle : str
-        Number of the present lesson if it adds no stage to the robot, else empty.
-    unchecked : tuple of str
-        Stages that were not checked for lack of time, so that they may be ready or not.
+    `ready` are stages such as "labels (01)" and `coming` the next one, if any; `why` says why it is not ready, and is
+    empty if its lesson has not been begun. `idle` is the present lesson's number if it adds no stage, and `unchecked`
+    are stages that were not checked for lack of time, so that they may be ready or not.
     """
 
     ready: tuple[str, ...] = ()

@@ -20,20 +20,10 @@ LARGEST = 1_000_000  # bytes; a usual file has a few thousand
 
 
 def kept(notebook: Path, exercise: str) -> str | None:
-    """Return the stored result of an exercise in a saved notebook.
+    """Return why an exercise in a saved notebook is not ready by its stored result, or an empty text if it passes.
 
-    Parameters
-    ----------
-    notebook : Path
-        Notebook of a lesson.
-    exercise : str
-        Name of the exercise.
-
-    Returns
-    -------
-    str or None
-        Why the exercise is not ready; empty if it passes its public checks. None without a valid result, for example
-        because this notebook, an earlier lesson's notebook or a helper file was saved since.
+    Return None without a valid result, for example because this notebook, an earlier lesson's notebook or a helper file
+    was saved since.
     """
     held = _read(notebook.parent).get(notebook.stem)
     if not isinstance(held, dict) or held.get("of") != _state_of(notebook):

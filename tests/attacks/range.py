@@ -124,36 +124,13 @@ LATER_POINTS = pair.POINTS | {"walk": 2}  # without a notebook of the lesson bef
 
 @dataclass(frozen=True)
 class Attack:
-    """One submission, and what must come of it.
+    """One submission and the required outcome, in one of `ROWS`; its name is unique in all catalogues.
 
-    Parameters
-    ----------
-    name : str
-        Unique in all catalogues; letters, digits and underscores.
-    row : str
-        A key of ROWS.
-    honest : mapping of str to float
-        Points by exercise; what is not named earns nothing.
-    functions : mapping of str to str
-        Source of exercises that are not the right ones.
-    before, after : str
-        Source of a cell before and after the exercises.
-    edit : callable, optional
-        Changes the notebook's dict.
-    files : mapping of str to (bytes, str or None)
-        What else is handed in.
-    make : callable, optional
-        Puts into the student's folder what is handed in, instead of a notebook.
-    says : str
-        What has to be in the result: among its notes, reason, or what it tells the student.
-    hides : tuple of str
-        What must not be on the student's page.
-    refused : bool
-        Whether it gets a reason instead of a score.
-    lesson : str
-        Whose notebook it is.
-    races : bool
-        Whether it races with the process that it runs in, so that it may lose points that it states as honest.
+    `honest` has the points by exercise; exercises without an entry earn nothing. `functions` replace correct solutions,
+    `before` and `after` are cells around the exercises, `edit` changes the notebook, `files` are handed in too, and
+    `make` puts files into the student's folder instead of a notebook. `says` has to be in the result, `hides` must not
+    be on the student's page, `refused` means a reason instead of a score, and `races` that it races with its own
+    process, so that it may lose points in `honest`.
     """
 
     name: str
@@ -295,34 +272,11 @@ if __name__ == "__main__":
 
 @dataclass(frozen=True)
 class Graded:
-    """What a run came to.
+    """The outcome of a run of the grading command: exit status, duration, processes that it left running, and output.
 
-    Parameters
-    ----------
-    status : int
-        Exit status of the command.
-    seconds : float
-        How long it took.
-    processes : list
-        What it left running.
-    output : str
-        What it said.
-    peak : int
-        Bytes that its own process held at most.
-    results : mapping of str to SubmissionResult
-        By student.
-    pages : mapping of str to str
-        The student's page by student.
-    students : list of str
-        In the journal's order.
-    again : int
-        Results that took another one's place.
-    expected : list of str
-        Those that have to be there.
-    changed : list of str
-        Files that are not what they were, and what else was left behind.
-    heard : list of str
-        Sockets that somebody has spoken to.
+    `peak` is the most bytes that its own process held, `again` counts results that replaced others, `expected` are the
+    students that have to be in the results, `changed` are files that differ or were left behind, and `heard` are
+    sockets that someone has spoken to.
     """
 
     status: int
@@ -341,20 +295,10 @@ class Graded:
 
 @dataclass
 class Range:
-    """A course, a class and everything around it, in a folder.
+    """A course, a class and everything around it, in an empty folder.
 
-    Parameters
-    ----------
-    root : Path
-        An empty folder.
-    seconds : float
-        Wall clock of a call.
-    off : sequence of str
-        Layers of the sandbox to do without: to see attacks succeed.
-    user : int, optional
-        Who grades, and owns all of it: for attacks that would harm this user where layers are missing.
-    most_seconds : float
-        After which the command is ended.
+    A call may take `seconds`, the command `most_seconds`. `off` are layers of the sandbox to do without, so that
+    attacks succeed; `user` grades and owns everything, for attacks that would harm this user where layers are missing.
     """
 
     root: Path

@@ -39,26 +39,11 @@ def exact_entries(
     point: Mapping[str, float],
     by: Sequence[str],
 ) -> npt.NDArray[np.bool_]:
-    """Return which entries of a Jacobian are the model's derivatives to 150 digits.
+    """Return which entries (R, C) of a Jacobian are the model's derivatives to 150 digits, and not only close to them.
 
-    Parameters
-    ----------
-    steps : sequence of tuple
-        Of model and Jacobian, which `compute` accepted; see `nao_course.exercises.comparisons.expressions.Steps`.
-    model : sequence of int
-        The places (R,) of the model's rows in `steps`.
-    rows : sequence of sequence of int
-        The places (R, C) of the Jacobian's entries.
-    point : mapping of str to float
-        The value of each symbol at one point.
-    by : sequence of str
-        Names of the C variables.
-
-    Returns
-    -------
-    ndarray of bool, shape (R, C)
-        False for an entry that is only close to the derivative. All are False where a value is too large, or the
-        expressions are too long.
+    `steps` were accepted by `compute`; `model` (R,) and `rows` (R, C) are places in them, `point` has the value of each
+    symbol, and `by` are the C variables. All entries are False where a value is too large, or the expressions are too
+    long.
     """
     derived = np.zeros((len(rows), len(by)), dtype=bool)
     steps = steps[: max(map(max, [model, *rows])) + 1]

@@ -99,10 +99,7 @@ class Steps:
     def place(self, expression: Any) -> int:
         """Add an expression of SymPy and return the place of its value.
 
-        Raises
-        ------
-        ValueError
-            If a part of it has no value, such as an integral.
+        Raise a ValueError if a part of it has no value, such as an integral.
         """
         if expression not in self._places:
             step = self._step(expression)
@@ -141,24 +138,9 @@ class Steps:
 
 
 def compute(steps: Sequence[Step], symbols: Mapping[str, Floats]) -> list[Floats]:
-    """Compute the value of each step; the steps may be untrusted.
+    """Compute the values (N,) of each step, which may be untrusted, from the values (N,) of the symbols.
 
-    Parameters
-    ----------
-    steps : sequence of tuple
-        Steps as in `Steps.steps`.
-    symbols : mapping of str to ndarray, shape (N,)
-        Values of each symbol, by name.
-
-    Returns
-    -------
-    list of ndarray, shape (N,)
-        Values; NaN if a value is not a real number.
-
-    Raises
-    ------
-    ValueError
-        If the steps are not valid.
+    A value that is not a real number is NaN; steps that are not valid raise a ValueError.
     """
     values: list[Any] = []
     if len(steps) > MOST_STEPS:

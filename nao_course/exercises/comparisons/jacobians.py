@@ -30,27 +30,12 @@ STEP = 1e-6
 def jacobian(function: Callable[[], Any], symbols: Collection[str], by: list[str]) -> dict[str, Any] | None:
     """Call a student's function for a Jacobian derived with SymPy, and split it into steps; no value is computed here.
 
-    Parameters
-    ----------
-    function : callable
-        ``function() -> (model, jacobian)``, SymPy matrices of shape (R, 1) and (R, C).
-    symbols : collection of str
-        Names of all symbols that may occur. Their values are not available here, because a student who replaces this
-        function could return numbers that fit them.
-    by : list of str
-        Names of the C symbols that the columns of the Jacobian are derivatives by, in their order.
-
-    Returns
-    -------
-    dict or None
-        For `evaluated`: None if the function returned None, {} if it did not return a pair. "steps" of all
-        expressions, see `Steps`, and the places of their values: "model" (R), "jacobian" (R lists of C), and "terms":
-        the terms of each derivative of the model, row by row, which only the wording of a hint uses.
-
-    Raises
-    ------
-    ValueError
-        If the model or the Jacobian has an unknown symbol, or something without a value.
+    ``function()`` returns SymPy matrices (R, 1) and (R, C) of the model and of its derivatives by the C symbols `by`.
+    The values of the `symbols` are not available here, because a student who replaces this function could return
+    numbers that fit them. For `evaluated`, return None if the function returned None, {} if it did not return a pair,
+    or else "steps" (see `Steps`), and the places of their values: "model" (R), "jacobian" (R lists of C), and "terms"
+    of each derivative of the model, row by row, which only the wording of a hint uses. An unknown symbol or something
+    without a value raises a ValueError.
     """
     import sympy
 
@@ -98,23 +83,11 @@ def _terms(steps: Steps, derivative: Any) -> list[int]:
 
 
 def evaluated(answer: Any, points: Mapping[str, Floats], by: Sequence[str]) -> dict[str, Any] | None:
-    """Evaluate the result of `jacobian`, which may not be trusted, at some points.
+    """Evaluate the result of `jacobian`, which may not be trusted, at points with values (N,) of every symbol.
 
-    Parameters
-    ----------
-    answer : dict or None
-        The result of `jacobian`.
-    points : mapping of str to ndarray, shape (N,)
-        Values of every symbol, by its name.
-    by : sequence of str
-        Names of the C symbols, as in `jacobian`.
-
-    Returns
-    -------
-    dict or None
-        Values for `Derivative`; None and {} are returned unchanged, and {} replaces steps that cannot be evaluated.
-        "jacobian" and "differences": ndarrays of shape (N, R, C), the second by central differences of the model;
-        "model": its values (N, R). "terms": for each entry, row by row, an ndarray (K, N) of its derivative's terms.
+    Return values for `Derivative`: "model" (N, R), "jacobian" and, by central differences of the model, "differences",
+    both (N, R, C), and "terms", for each entry, row by row, an array (K, N) of its derivative's terms. None and {} are
+    returned unchanged, and {} replaces steps that cannot be evaluated.
     """
     # Invalid steps or indices, or rows of different lengths
     match answer:

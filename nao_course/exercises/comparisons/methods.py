@@ -103,30 +103,10 @@ def first_items(count: int, *args: Any, name: str = "") -> Case:
 
 @register_driver
 def methods(made_by: Callable[..., Any], given: tuple[Any, ...], turns: list[Call]) -> list[tuple[str, Any]]:
-    """Make an object and call its methods in turn.
+    """Make an object of the student's class, call its methods in turn, and return each name with a copy of the result.
 
-    Parameters
-    ----------
-    made_by : type
-        The student's class.
-    given : tuple
-        Arguments of its constructor.
-    turns : list of (str, tuple)
-        Names and arguments of the calls.
-
-    Returns
-    -------
-    list of (str, object)
-        Name of each call, and a copy of its result.
-
-    Raises
-    ------
-    NotImplementedError
-        If a method is still blank; the message is its name, or empty if all methods are blank.
-    AttributeError
-        If the class lacks a method.
-    Unsendable
-        If the result of a method cannot be encoded.
+    A blank method raises a NotImplementedError with its name, or without one if all are blank, a missing method an
+    AttributeError, and a result that cannot be encoded an Unsendable.
     """
     title = getattr(made_by, "__name__", "it")
     if not callable(made_by):
@@ -157,22 +137,7 @@ def methods(made_by: Callable[..., Any], given: tuple[Any, ...], turns: list[Cal
 
 @register_driver
 def items(function: Callable[..., Any], count: int, *args: Any) -> list[Any] | None:
-    """Call a generator function and return copies of its first items.
-
-    Parameters
-    ----------
-    function : callable
-        The student's function.
-    count : int
-        Number of items.
-    *args : object
-        Its arguments.
-
-    Returns
-    -------
-    list or None
-        At most `count` items; None if the function returns None.
-    """
+    """Call a generator function and return copies of its first `count` items, or None if it returns None."""
     made = function(*args)
     if made is None:
         return None

@@ -23,19 +23,10 @@ _REPEATED = 20  # seeds that are used twice, because equal generators must give 
 
 @register_driver
 def each_seed(function: Callable[..., Any], *given: Any) -> list[Any] | npt.NDArray[np.float64]:
-    """Call a function that draws random samples once with each seed's generator, and return its answers.
+    """Call ``function(..., rng) -> float`` once with each seed's generator, and return its answers.
 
-    Parameters
-    ----------
-    function : callable
-        ``function(..., rng) -> float``.
-    *given : object
-        Its arguments; the last one contains the seeds in place of the generator.
-
-    Returns
-    -------
-    list or ndarray
-        One answer for each seed; an array if all answers are floats, because it is sent much faster.
+    The last argument contains the seeds in place of the generator. Answers that are all floats are an array, because it
+    is sent much faster.
     """
     *args, seeds = given
     answers = [function(*map(copied, args), _generator(int(seed))) for seed in seeds]

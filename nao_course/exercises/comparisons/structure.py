@@ -30,20 +30,9 @@ KINDS = {
 class Elements:
     """Corresponding elements of two arrays, or the elements that are stored in one of two sparse matrices.
 
-    Parameters
-    ----------
-    wanted, have : ndarray
-        Expected and given elements, of the same shape.
-    where : str
-        Name of the answer, or of its part, in messages.
-    shape : tuple of int
-        Shape of the whole array.
-    rows, columns : ndarray or None
-        Index of each element in the last two axes, if it does not follow from the shape.
-    width : int
-        Number of columns. The numbers of a tuple or dataclass are columns.
-    names : tuple of str
-        Names of the columns.
+    `where` is the name of the answer, or of its part, in messages, `shape` the whole array's; `rows` and `columns` are
+    the index of each element in the last two axes, if it does not follow from the shape. The numbers of a tuple or
+    dataclass are columns, `width` many.
     """
 
     wanted: Array
@@ -72,10 +61,7 @@ class Elements:
     def of_column(self, values: Numbers, name: str) -> Any:
         """Return one value for all elements, or each column's value; a tuple is repeated along the last axis.
 
-        Raises
-        ------
-        ValueError
-            If the number of columns is not a multiple of the number of values.
+        Raise a ValueError if the number of columns is not a multiple of the number of values.
         """
         if not isinstance(values, tuple):
             return values
@@ -87,13 +73,7 @@ class Elements:
         return np.asarray(values)[column % len(values)]
 
     def counted(self, mask: Mask) -> npt.NDArray[np.bool_] | np.bool_:
-        """Return which elements count, to be broadcast.
-
-        Raises
-        ------
-        ValueError
-            If the mask has another shape.
-        """
+        """Return which elements count, to be broadcast."""
         if not mask:
             return np.True_
         everywhere = np.ones(self.wanted.shape, dtype=bool)
@@ -126,14 +106,7 @@ class Elements:
     def differences(self, wrong: Any, allowed: float = 0.0, size: int | None = None) -> Verdict:
         """Return how many elements are wrong as text, with the student's value of the first one.
 
-        Parameters
-        ----------
-        wrong : ndarray of bool
-            Whether each element is wrong.
-        allowed : float
-            Fraction of the elements that may be wrong.
-        size : int, optional
-            Number of all elements, if not all of them count.
+        A fraction `allowed` may be wrong; `size` is the number of all elements, if not all of them count.
         """
         count = int(np.count_nonzero(wrong))
         size = int(np.prod(self.shape, dtype=np.int64)) if size is None else size
@@ -155,16 +128,9 @@ def compare_structure(
 ) -> Verdict:
     """Compare tuples, lists, dicts and dataclasses down to their numbers and arrays.
 
-    Parameters
-    ----------
-    expected, got : object
-        Values as decoded by the codec.
-    compare : callable
-        Function that compares the elements of arrays of the same shape and kind; a number is an array without axes.
-    where : str
-        Name of the answer in messages.
-    names : tuple of str
-        Names of the values of a tuple, or of the columns of an array.
+    The values are as decoded by the codec. `compare` compares the elements of arrays of the same shape and kind; a
+    number is an array without axes. `where` is the name of the answer in messages, and `names` are the names of a
+    tuple's values, or of an array's columns.
     """
     if got is None and expected is not None:
         return Verdict("nothing", f"{where} is None: a return may be missing")
@@ -274,14 +240,7 @@ def _stored(wanted: Any, have: Any, where: str, names: tuple[str, ...]) -> Eleme
 def as_numbers(got: Any, where: str, also: str = "") -> Array | Verdict:
     """Convert an answer to an array of numbers, or return why that is not possible.
 
-    Parameters
-    ----------
-    got : object
-        Answer as decoded by the codec.
-    where : str
-        Its name in messages.
-    also : str
-        "c" if complex numbers are allowed.
+    `where` is its name in messages; complex numbers are allowed if `also` is "c".
     """
     if got is None:
         return Verdict("nothing", f"{where} is None: a return may be missing")

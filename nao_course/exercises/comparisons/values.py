@@ -251,13 +251,7 @@ class Between(Comparison):
 
 
 def most_pairs(fits: npt.NDArray[np.bool_]) -> int:
-    """Return the largest number of pairs in which each row and each column is used once.
-
-    Parameters
-    ----------
-    fits : ndarray of bool, shape (N, M)
-        Which rows and columns make a pair.
-    """
+    """Return the largest number of possible pairs, `fits` (N, M), in which each row and each column is used once."""
     from scipy.optimize import linear_sum_assignment  # takes long to import, so workers start without it
 
     return int(fits[linear_sum_assignment(~fits)].sum())
