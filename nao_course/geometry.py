@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.codec import register
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "wrap_angle",
     "yaw_pitch_roll",
 ]
+__dir__ = list_public(__name__)
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -223,8 +225,3 @@ class Pose:
     def to_local(self, points: npt.ArrayLike) -> FloatArray:
         """Transform points (N, 2) from the frame in which the pose is given to this pose's own frame."""
         return (as_points(points) - (self.x, self.y)) @ rotation_2d(self.theta)
-
-
-def __dir__() -> list[str]:
-    """Return the public names for tab completion, without the imported ones."""
-    return __all__

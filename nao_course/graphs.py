@@ -12,10 +12,12 @@ import numpy.typing as npt
 import scipy.sparse
 import scipy.sparse.linalg
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.codec import register
 from nao_course.geometry import FloatArray
 
 __all__ = ["LANDMARK", "POSE", "SYMMETRIC", "Edges", "Graph", "matrices"]
+__dir__ = list_public(__name__)
 
 POSE, LANDMARK = 0, 1
 
@@ -280,8 +282,3 @@ def matrices(rows: Sequence[Sequence[npt.ArrayLike]]) -> FloatArray:
 def _floats(values: npt.ArrayLike, empty: tuple[int, ...]) -> FloatArray:
     array = np.array(values, dtype=float)
     return array if array.size else np.empty(empty)
-
-
-def __dir__() -> list[str]:
-    """Return the public names for tab completion, without the imported ones."""
-    return __all__

@@ -13,6 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from nao_course._internal.lazy_names import list_public
 from nao_course._internal.renamed_names import with_new_names
 from nao_course.exercises.answered import notebooks_in
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
@@ -21,6 +22,7 @@ from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_
 from nao_course.exercises.versions import installed_versions
 
 __all__ = ["NOTEBOOKS", "RELEASE", "REQUEST", "Receipt", "Renewal", "renew", "submit", "zipped"]
+__dir__ = list_public(__name__)
 
 RELEASE = Path("release")  # folder of an unpacked release, which is never edited
 NOTEBOOKS = Path("notebooks")  # the student's working folder, which no release contains
@@ -332,8 +334,3 @@ def _parsed(name: str, content: bytes) -> Notebook:
 
 def _json(value: object) -> bytes:
     return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode()
-
-
-def __dir__() -> list[str]:
-    """Return the public names, so that tab completion omits this module's imports."""
-    return __all__

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.codec import register
 from nao_course.geometry import FloatArray, Pose, as_points, finite, wrap_angle
 
@@ -26,6 +27,7 @@ __all__ = [
     "range_and_bearing",
     "run_slam",
 ]
+__dir__ = list_public(__name__)
 
 LandmarkKind = Literal["corner", "post"]
 KINDS: tuple[LandmarkKind, ...] = ("corner", "post")
@@ -285,8 +287,3 @@ def run_slam(
         algorithm.observe(measurements)
         estimates.append(algorithm.estimate())
     return estimates
-
-
-def __dir__() -> list[str]:
-    """Return the public names for tab completion, without the imported ones."""
-    return __all__

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from nao_course import slam
 from nao_course.geometry import Pose
 from nao_course.slam import (
     DeadReckoning,
@@ -173,8 +172,3 @@ def test_an_estimate_moves_with_its_frame_and_back(rng):
     assert place_estimate(estimate, None) is estimate
     with pytest.raises(ValueError, match="must be an Estimate, got str"):
         place_estimate("here", frame)
-
-
-def test_tab_completion_shows_the_modules_own_names_and_nothing_else():
-    assert dir(slam) == sorted(slam.__all__)
-    assert not {"np", "ABC", "Pose", "dataclass"} & set(dir(slam))

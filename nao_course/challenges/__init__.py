@@ -1,5 +1,6 @@
 """Open challenges: a task at the end of a lesson with a score, a board and no grade."""
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.challenges.board import Board, EntryReport
 from nao_course.challenges.declaration import (
     CaseResult,
@@ -24,8 +25,4 @@ __all__ = [
     "challenge",
     "recorded_rows",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names, without the modules that define them."""
-    return __all__
+__dir__ = list_public(__name__)

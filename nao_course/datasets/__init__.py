@@ -1,5 +1,6 @@
 """Readers for recorded data: pictures of a real robot, logs of drives, and pose graphs."""
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.datasets.files import DATA_VARIABLE, data_folder
 from nao_course.datasets.freiburg_graph import read_freiburg_graph
 from nao_course.datasets.g2o import read_g2o, write_g2o
@@ -31,8 +32,4 @@ __all__ = [
     "write_g2o",
     "write_homework_log",
 ]
-
-
-def __dir__() -> list[str]:
-    """Return the public names for tab completion, without the modules they come from."""
-    return __all__
+__dir__ = list_public(__name__)

@@ -1,5 +1,6 @@
 """Exercises: their declarations, their checks, and the functions that a lesson calls."""
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.codec import CodecError, Limits, decode, encode, register, register_function
 from nao_course.exercises.asking import prediction
 from nao_course.exercises.case import Case
@@ -70,8 +71,4 @@ __all__ = [
     "register_function",
     "try_out",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names, without the modules that define them."""
-    return __all__
+__dir__ = list_public(__name__)

@@ -5,6 +5,7 @@ caption for each step. It is stored as JSON with whole millimetres and milliradi
 the live map of the panels (`nao_course.widgets.vector_map`).
 """
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.films.drives import drive_film
 from nao_course.films.film import Film, Matrix, read_film
 from nao_course.films.layers import (
@@ -40,8 +41,4 @@ __all__ = [
     "script",
     "style_sheet",
 ]
-
-
-def __dir__() -> list[str]:
-    """Return the public names, so that tab completion omits the modules."""
-    return __all__
+__dir__ = list_public(__name__)

@@ -4,6 +4,7 @@ Functions that begin with ``plot_`` add to an axis, and functions that begin wit
 The package does not use pyplot, so that a figure is never shown twice and does not stay in memory.
 """
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.plotting.drawing import Drawing, Table, image_tag, table
 from nao_course.plotting.ellipses import ellipse_outlines, estimate_outlines, plot_ellipse
 from nao_course.plotting.maps import draw_map, plot_estimate, plot_field, plot_landmarks, plot_measurements
@@ -48,8 +49,4 @@ __all__ = [
     "style_of",
     "table",
 ]
-
-
-def __dir__() -> list[str]:
-    """Return the public names, so that tab completion omits the modules."""
-    return __all__
+__dir__ = list_public(__name__)

@@ -1,5 +1,6 @@
 """The simulator: the field, the NAO with its head and cameras, and rendered pictures."""
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.sim.camera import NAO_V4, NAO_V6, CameraView, NaoModel
 from nao_course.sim.drives import repeat_drive
 from nao_course.sim.field import Field, Landmark
@@ -34,8 +35,4 @@ __all__ = [
     "standard_scenes",
     "visible_landmarks",
 ]
-
-
-def __dir__() -> list[str]:
-    """Return the public names for tab completion, without the modules they come from."""
-    return __all__
+__dir__ = list_public(__name__)

@@ -1,5 +1,6 @@
 """Panels to drive the robot and to try functions; without widgets each shows a picture and a text."""
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.widgets.control_panel import ControlPanel
 from nao_course.widgets.derivation import DerivationSheet, derivation
 from nao_course.widgets.dial import RealityDial
@@ -30,8 +31,4 @@ __all__ = [
     "derivation",
     "show_film",
 ]
-
-
-def __dir__() -> list[str]:
-    """Return the public names, so that tab completion omits the modules."""
-    return __all__
+__dir__ = list_public(__name__)

@@ -1,5 +1,6 @@
 """Judge a function's answers, case by case, and report the result to the student."""
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.exercises.judging.cases import answer, judge
 from nao_course.exercises.judging.report import (
     AT_FAULT,
@@ -22,8 +23,4 @@ __all__ = [
     "same_answer",
     "with_the_reason",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names, without the modules that define them."""
-    return __all__
+__dir__ = list_public(__name__)

@@ -2,27 +2,21 @@
 
 from nao_course._internal.lazy_names import import_when_asked
 
-_NAMES = {
-    "figures": (
-        "ancestors_left",
-        "blind_sigma",
-        "draw_blind_start",
-        "draw_depletion",
-        "draw_finding",
-        "draw_journeys",
-        "draw_lost_filters",
-        "journeys_table",
-    ),
-    "panels": ("ExplorePanel", "MovesPanel", "TwoCamerasPanel"),
-    "recorded": ("draw_coverage", "draw_fast_slam", "draw_moves", "draw_two_cameras"),
-    "two_cameras": ("measure_again",),
-}
-__all__ = sorted(name for names in _NAMES.values() for name in names)
-
-
-__getattr__ = import_when_asked(__name__, _NAMES)  # a check needs no panel
-
-
-def __dir__() -> list[str]:
-    """Return the names for tab completion."""
-    return __all__
+__all__, __getattr__, __dir__ = import_when_asked(
+    __name__,
+    {
+        "figures": (
+            "ancestors_left",
+            "blind_sigma",
+            "draw_blind_start",
+            "draw_depletion",
+            "draw_finding",
+            "draw_journeys",
+            "draw_lost_filters",
+            "journeys_table",
+        ),
+        "panels": ("ExplorePanel", "MovesPanel", "TwoCamerasPanel"),
+        "recorded": ("draw_coverage", "draw_fast_slam", "draw_moves", "draw_two_cameras"),
+        "two_cameras": ("measure_again",),
+    },
+)

@@ -2,30 +2,31 @@
 
 from nao_course._internal.lazy_names import import_when_asked
 
-_NAMES = {
-    "figures": ("draw_close_up", "draw_places", "draw_segments"),
-    "labels": ("or_recorded",),
-    "measuring": ("all_crossings", "count_corners", "with_others"),
-    "panel": ("CornerPanel",),
-    "results": ("draw_costs", "draw_funnel", "draw_goal_line", "goal_line_left", "last_seen", "mean_cost"),
-    "scenes": (
-        "CornerPicture",
-        "match_pictures",
-        "ready_made_segments",
-        "real_pictures",
-        "rows_between",
-        "running_picture",
-        "three_places",
-        "tuning_pictures",
-    ),
-    "segments": ("Segments", "coverage"),
-}
-__all__ = sorted(name for names in _NAMES.values() for name in names)
-
-
-__getattr__ = import_when_asked(__name__, _NAMES)  # a check compares segments, and needs no panel
-
-
-def __dir__() -> list[str]:
-    """Return the public names for tab completion, without the modules that they come from."""
-    return __all__
+__all__, __getattr__, __dir__ = import_when_asked(
+    __name__,
+    {
+        "figures": ("draw_close_up", "draw_places", "draw_segments"),
+        "labels": ("or_recorded",),
+        "measuring": ("all_crossings", "count_corners", "with_others"),
+        "panel": ("CornerPanel",),
+        "results": (
+            "draw_costs",
+            "draw_funnel",
+            "draw_goal_line",
+            "goal_line_left",
+            "last_seen",
+            "mean_cost",
+        ),
+        "scenes": (
+            "CornerPicture",
+            "match_pictures",
+            "ready_made_segments",
+            "real_pictures",
+            "rows_between",
+            "running_picture",
+            "three_places",
+            "tuning_pictures",
+        ),
+        "segments": ("Segments", "coverage"),
+    },
+)

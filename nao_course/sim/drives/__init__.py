@@ -1,5 +1,6 @@
 """Simulated drives without pictures: motions, true poses, measurements of known landmarks, and an EKF."""
 
+from nao_course._internal.lazy_names import list_public
 from nao_course.sim.drives.known_landmarks import (
     Drive,
     FieldOfView,
@@ -35,8 +36,4 @@ __all__ = [
     "repeat_drive",
     "true_path",
 ]
-
-
-def __dir__() -> list[str]:
-    """Return the public names for tab completion, without the modules they come from."""
-    return __all__
+__dir__ = list_public(__name__)
