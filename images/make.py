@@ -57,6 +57,13 @@ def own_fields() -> Files:
     return {Path("images", "own_fields.png"): draw_fields()}
 
 
+def house() -> Files:
+    """The three wings of the project."""
+    from images.house import draw_house
+
+    return {Path("images", "house.png"): draw_house()}
+
+
 def real_building() -> Files:
     """A graph of the recordings, relaxed by lesson 09's solution."""
     from nao_course.instructor.authoring.plans import load_solution
@@ -118,6 +125,7 @@ PICTURES: dict[str, Callable[[], Files]] = {
     "lesson": lambda: screen("lesson"),
     "effects": effects,
     "own_fields": own_fields,
+    "house": house,
     "09_intel": real_building,
     "11_real_walk": real_walk,
     "half_field_A3": sheet,
