@@ -16,6 +16,7 @@ _MODULES = {"numpy": "numpy", "cv2": "opencv-python-headless", "scipy": "scipy"}
 # Of Python 3.14. A new submodule is in a package that is known.
 _NEW_MODULES = {"annotationlib", "compression"}
 _NUMBERS = re.compile(r"(\d{1,4})\.(\d{1,4})(?:[.\w+-]{0,20})?", re.ASCII)
+_NO_ARGUMENT = re.compile(r"(?:unexpected|invalid) keyword argument")
 _NEW_SYNTAX = re.compile(r"SyntaxError\b")
 _LACKS = re.compile(r"(?:module|from|No module named) '(\w+)[\w.]*'")
 
@@ -38,6 +39,27 @@ def numbers(text: str) -> tuple[int, int]:
     return (int(found[1]), int(found[2])) if found else (0, 0)
 
 
+def stated_versions(told: object) -> dict[str, str]:
+    """Return the versions in what a receipt or notebook states, which may be any value."""
+    stated = told if isinstance(told, Mapping) else {}
+    texts = {name: stated[name] for name in _SPOKEN if isinstance(stated.get(name), str)}
+    return {name: text for name, text in texts.items() if numbers(text) > (0, 0)}
+
+
+def in_words(versions: Mapping[str, str]) -> str:
+    """Return versions such as "Python 3.14, NumPy 2.4"; only what is a version is named.
+
+    Examples
+    --------
+    >>> in_words({"numpy": "2.4.6", "python": "3.14.0", "scipy": "<b>"})
+    'Python 3.14, NumPy 2.4'
+    """
+    return ", ".join(
+        f"{_SPOKEN[name]} {'.'.join(map(str, numbers(version)))}"
+        for name, version in stated_versions(versions).items()
+    )
+
+
 @dataclass(frozen=True)
 class Newer:
     """Versions of a notebook that are newer than the installed ones, both by name; false if there are none.
@@ -52,13 +74,9 @@ class Newer:
         """Return whether a version is newer."""
         return bool(self.theirs)
 
-    def names(self) -> list[str]:
-        """Return the notebook's newer versions, such as "Python 3.14"."""
-        return [_listed({name: version}) for name, version in self.theirs.items()]
-
     def against(self, place: str) -> str:
         """Return the versions in words: "Python 3.14, and the grader has Python 3.11"."""
-        return f"{_listed(self.theirs)}, and {place} has {_listed(self.here)}"
+        return f"{in_words(self.theirs)}, and {place} has {in_words(self.here)}"
 
     def explains(self, error: str) -> bool:
         """Return whether an error may come from the older version here, and not from the notebook.
@@ -66,7 +84,7 @@ class Newer:
         The error is an exception's type and message, possibly within a longer text.
         """
         python = "python" in self.theirs
-        if python and (_NEW_SYNTAX.search(error) or "unexpected keyword argument" in error):
+        if (python and _NEW_SYNTAX.search(error)) or (self and _NO_ARGUMENT.search(error)):
             return True
         return any(
             _MODULES.get(name) in self.theirs
@@ -82,9 +100,3 @@ def newer_than_here(versions: Mapping[str, str]) -> Newer:
         name for name in _SPOKEN if name in here and numbers(versions.get(name, "")) > numbers(here[name])
     ]
     return Newer({name: versions[name] for name in names}, {name: here[name] for name in names})
-
-
-def _listed(versions: Mapping[str, str]) -> str:
-    return " and ".join(
-        f"{_SPOKEN[name]} {'.'.join(map(str, numbers(each)))}" for name, each in versions.items()
-    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -17,16 +18,11 @@ from rich.table import Table
 
 from nao_course._internal.counts import say_count
 from nao_course.exercises import lesson_names
+from nao_course.exercises.versions import in_words, installed_versions, newer_than_here
 from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
-from nao_course.instructor.autograding.batch import (
-    LessonSummary,
-    Summary,
-    feedback_writer,
-    installed,
-    summarise,
-)
+from nao_course.instructor.autograding.batch import LessonSummary, Summary, feedback_writer, summarise
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.autograding.session import Machines, open_session
@@ -199,23 +195,12 @@ def _show(
     console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered
 ) -> None:
     """Print the result of a run, with a line for each refused submission."""
-    if summary.newer:
-        newer = ", ".join(f"{name} ({count})" for name, count in summary.newer.most_common())
-        console.print(
-            f"WARNING: notebooks were written with {newer}, and the grader has older versions: {installed()}. Right "
-            "code may fail here, so grade with the versions of the class.",
-            markup=False,
-            highlight=False,
-            soft_wrap=True,
-        )
-    if found.wrapper:
-        console.print(
-            f"The folder {found.wrapper} is around all submissions and was not taken for a student's.",
-            markup=False,
-            highlight=False,
-            soft_wrap=True,
-        )
-    for line in found.recognised:
+    around = (
+        [f"The folder {found.wrapper} is around all submissions and was not taken for a student's."]
+        if found.wrapper
+        else []
+    )
+    for line in (*_versions(summary.written), *around, *found.recognised):
         console.print(line, markup=False, highlight=False, soft_wrap=True)
     table = Table("", "submissions")
     table.add_row("graded", str(summary.graded))
@@ -247,6 +232,23 @@ def _show(
                 console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)
             if len(lines) > most:
                 console.print(f"  and {len(lines) - most} more")
+
+
+def _versions(written: Counter[tuple[str, str]]) -> Iterator[str]:
+    """Yield with which versions notebooks were written and are graded, and a warning if the grader's are older."""
+    counts, newer = Counter[str](), list[str]()
+    for (name, version), count in sorted(written.items()):
+        counts[in_words({name: version})] += count
+        if newer_than_here({name: version}):
+            newer.append(in_words({name: version}))
+    if counts:
+        stated = ", ".join(f"{version} ({count})" for version, count in counts.items())
+        yield f"Written with {stated}; graded with {in_words(installed_versions())}."
+    if newer:
+        yield (
+            f"WARNING: notebooks were written with {', '.join(dict.fromkeys(newer))}, and the grader is older. Right "
+            "code may fail here, so grade with the versions of the class."
+        )
 
 
 def _mean(about: LessonSummary) -> str:

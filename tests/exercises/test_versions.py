@@ -3,13 +3,13 @@
 import pytest
 
 from nao_course.exercises import versions
-from nao_course.exercises.versions import newer_than_here, numbers
+from nao_course.exercises.versions import in_words, newer_than_here, numbers, stated_versions
 
 
 @pytest.mark.parametrize("text", ["", "3", "x.y", "9" * 400 + ".1", "3.12 <b>", "\u0663.\u0661"])
 def test_what_is_no_version_is_older_than_any(text):
-    newer = newer_than_here({"python": text, "numpy": text})
-    assert not newer and newer.names() == []
+    told = {"python": text, "numpy": text}
+    assert not newer_than_here(told) and stated_versions(told) == {} and in_words(told) == ""
 
 
 def test_versions_are_compared_by_their_first_two_numbers(monkeypatch):
@@ -17,7 +17,12 @@ def test_versions_are_compared_by_their_first_two_numbers(monkeypatch):
     assert (numbers("3.14.0rc2"), numbers("2.10")) == ((3, 14), (2, 10))
     assert not newer_than_here({"python": "3.11.9", "numpy": "2.4.9", "release": "9.9"})
     newer = newer_than_here({"python": "3.9.1", "numpy": "2.10.0"})
-    assert newer.names() == ["NumPy 2.10"] and newer.against("the grader").endswith("NumPy 2.4")
+    assert newer.against("the grader") == "NumPy 2.10, and the grader has NumPy 2.4"
+
+
+@pytest.mark.parametrize("told", [None, 3, "numpy", [], {"numpy": {"a": 1}, "x": "1.2"}, {"numpy": 2.4}])
+def test_what_is_no_table_of_versions_states_none(told):
+    assert stated_versions(told) == {}
 
 
 @pytest.mark.parametrize(
@@ -34,6 +39,7 @@ def test_versions_are_compared_by_their_first_two_numbers(monkeypatch):
         ("AttributeError: module 'helper' has no attribute 'x'", set()),
         ("NameError: name 'x' is not defined", set()),
         ("IndentationError: unexpected indent", set()),
+        ("TypeError: reshape() got an unexpected keyword argument 'shape'", {"python", "numpy"}),
     ],
 )
 def test_only_errors_of_an_older_version_are_explained(error, of):

@@ -21,7 +21,7 @@ from nao_course.instructor.collecting.submissions import gather, of_lessons
 from nao_course.instructor.gradebook.journal import NAME, Journal
 from nao_course.instructor.gradebook.scores import all_scores
 from nao_course.instructor.sandbox.layers import probe
-from tests.handed_in import NOTEBOOK
+from tests.handed_in import NOTEBOOK, packed
 from tests.paths import PROJECT
 from tests.toy import chain, pair
 from tests.toy.graded import hand_in, kept, rows
@@ -109,6 +109,44 @@ def test_a_class_is_graded_and_the_same_command_again_grades_nothing(course, war
     assert kept(tmp_path / "grades") == before
     assert rows(tmp_path / "grades", "history") == 0
     assert len(list((tmp_path / "grades" / "feedback").rglob("*.html"))) == 6
+
+
+def test_versions_are_shown_and_what_an_older_one_may_have_broken_waits_for_a_person(course, warm, tmp_path):
+    """The receipt knows the libraries, and the notebook knows its Python."""
+    notebook = json.loads(
+        chain.notebook({"double": "def double(x):\n    return np.of_a_newer_numpy(x)  # 2"})
+    )
+    notebook["metadata"]["language_info"] = {"name": "python", "version": "3.1.7"}
+    for student, versions in {
+        "ada": {"numpy": "99.1.0"},
+        "ben": {"numpy": "99.2"},
+        "eve": {"numpy": 3},
+    }.items():
+        files = {
+            f"{chain.LESSON}.ipynb": json.dumps(notebook).encode(),
+            "receipt.json": json.dumps({"time": "2026-11-20T23:59:00+00:00", "versions": versions}).encode(),
+        }
+        packed(tmp_path / "in" / student / "work.zip", files)
+    chain.hand_in(tmp_path / "in", "fay", chain.notebook())
+    said = run("grade", tmp_path / "in", "--out", tmp_path / "grades").output
+    assert (
+        said.count("WARNING: notebooks were written with NumPy 99.1, NumPy 99.2, and the grader is older")
+        == 1
+    )
+    assert "Written with NumPy 99.1 (1), NumPy 99.2 (1), Python 3.1 (3); graded with Python" in said
+    listed = said.partition("NEEDS A DECISION")[2].splitlines()[1:3]
+    assert [line.strip().partition(":")[0] for line in listed] == [
+        f"{student}, {chain.LESSON}, double" for student in ("ada", "ben")
+    ]
+    assert all("NumPy 99." in line and "the grader has NumPy" in line for line in listed)
+    states = {
+        each: result["exercises"][0]["state"] for (each, _), result in kept(tmp_path / "grades").items()
+    }
+    assert states == {"ada": "undecided", "ben": "undecided", "eve": "raised", "fay": "right"}
+    page = (tmp_path / "grades" / "feedback" / "ada" / f"{chain.LESSON}.html").read_text("utf-8")
+    assert "Written with Python 3.1, NumPy 99.1; graded with Python" in page
+    again = run("grade", tmp_path / "in", "--out", tmp_path / "grades").output
+    assert "WARNING" not in again and "Written with" not in again
 
 
 @pytest.fixture

@@ -55,8 +55,8 @@ class Summary:
         What the sandbox saw students' code try.
     undecided : list of str
         Submissions with exercises whose points a person has to decide, with the reason.
-    newer : Counter of str
-        Numbers of submissions by the version with which they were written, if it is newer than the grader's.
+    written : Counter of (str, str)
+        Numbers of submissions by the name and number of a version with which they were written.
     too_slow : list of str
         Exercises whose time was used up, with the limit.
     """
@@ -68,7 +68,7 @@ class Summary:
     failed: list[str] = field(default_factory=list)
     attempts: list[str] = field(default_factory=list)
     undecided: list[str] = field(default_factory=list)
-    newer: Counter[str] = field(default_factory=Counter)
+    written: Counter[tuple[str, str]] = field(default_factory=Counter)
     too_slow: list[str] = field(default_factory=list)
 
 
@@ -112,7 +112,6 @@ def grade_all(
     """
     summary = Summary()
     stop = threading.Event()
-    versions = installed()
 
     def missing() -> Iterator[tuple[Submission, Assignment]]:
         for each in submissions:
@@ -138,10 +137,10 @@ def grade_all(
                     publish(kept or outcome)
                 if kept:
                     summary.kept.append(_in_words(kept, journal))
-                    journal.keep(kept, versions, newest=outcome)
+                    journal.keep(kept, newest=outcome)
                     tell(submission)
                     continue
-                journal.keep(outcome, versions)
+                journal.keep(outcome)
                 summary.attempts += [
                     f"{outcome.student}, {outcome.lesson}: {each}" for each in outcome.attempts
                 ]
@@ -151,7 +150,7 @@ def grade_all(
                         f"{outcome.student}, {outcome.lesson}, {names}: the notebook is written in "
                         f"{newer_than_here(outcome.versions).against('the grader')}"
                     )
-                summary.newer.update(newer_than_here(outcome.versions).names())
+                summary.written.update(outcome.versions.items())
                 summary.too_slow += [
                     f"{outcome.student}, {outcome.lesson}: {each.name}: {each.text}"
                     for each in outcome.exercises

@@ -29,7 +29,7 @@ from nao_course.exercises.interactive import remark_on
 from nao_course.exercises.judging import explain
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import Outcome
-from nao_course.exercises.versions import Newer, newer_than_here, numbers
+from nao_course.exercises.versions import Newer, installed_versions, newer_than_here, stated_versions
 from nao_course.instructor.autograding.answers import with_answers
 from nao_course.instructor.autograding.assignment import Assignment, Task
 from nao_course.instructor.autograding.failures import (
@@ -188,7 +188,8 @@ def _grade(
             told += [found] if found.names else []
             said = told[0] if told else found
             grader = SubmissionGrader(worker, assignment, files, server, stopped, allowances)
-            versions = {"python": found.python} if numbers(found.python) > (0, 0) else {}
+            # The notebook knows the Python of its own kernel
+            versions = {**submission.versions, **stated_versions({"python": found.python})}
             newer = newer_than_here(versions)
             exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
             exercises = tuple(_with_remarks(each, said.remarks.get(each.name, ())) for each in exercises)
@@ -221,6 +222,7 @@ def _grade(
         handed_in=submission.handed_in,
         late=submission.late,
         versions=versions,
+        graded_with=installed_versions(),
     )
     return result, worker.deaths + grader.deaths
 
@@ -243,6 +245,7 @@ def refuse(submission: Submission, assignment: Assignment, reason: str, digest: 
         left_out=submission.notes,
         handed_in=submission.handed_in,
         late=submission.late,
+        graded_with=installed_versions(),
     )
 
 

@@ -6,7 +6,7 @@ import json
 import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from operator import itemgetter
 from pathlib import Path
@@ -16,6 +16,7 @@ from nao_course._internal.counts import say_count
 from nao_course.exercises.answered import Inspection, precedence, why_not
 from nao_course.exercises.lesson_names import found_in, lesson_and_more, lesson_of
 from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
+from nao_course.exercises.versions import stated_versions
 from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
 from nao_course.instructor.collecting.choosing import NOT_INSPECTED, inspect_notebook
 from nao_course.instructor.collecting.layouts import HandedIn, Students, added_for, is_request
@@ -63,6 +64,8 @@ class Submission:
         When a zip of `nao-course submit` was packed, in UTC and by the student's clock; empty for other files.
     late : bool
         Whether the platform says that it was handed in late.
+    versions : mapping of str to str
+        Versions of Python and libraries in the receipt of `nao-course submit`.
     """
 
     student: str
@@ -75,6 +78,7 @@ class Submission:
     earlier: tuple[Submission, ...] = ()
     handed_in: str = ""
     late: bool = False
+    versions: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -211,12 +215,20 @@ def open_download(
 # --- who handed in what ---
 
 
+@dataclass(frozen=True)
+class _Receipt:
+    """When `nao-course submit` packed a zip, or 0 and a note why that is unknown; and the versions it stated."""
+
+    packed: float = 0.0
+    note: str = ""
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+
 class _StudentsZip(NamedTuple):
-    """A zip that a student made: its time, when `nao-course submit` packed it or 0, and a note about its receipt."""
+    """A zip that a student made."""
 
     time: float
-    packed: float
-    note: str
+    receipt: _Receipt
 
 
 @dataclass(frozen=True)
@@ -237,8 +249,8 @@ class _Candidate:
     def time(self) -> float:
         """The time of the receipt or file; 0 in Moodle's zip, whose times are the times of the download."""
         undated = self.name.platform == "Moodle" and self.item.entry is not None
-        time, packed, _ = self.zip or (self.item.time, 0.0, "")
-        return packed or (0.0 if undated else time)
+        time, receipt = self.zip or (self.item.time, _Receipt())
+        return receipt.packed or (0.0 if undated else time)
 
     @property
     def age(self) -> tuple[Any, ...]:
@@ -339,7 +351,7 @@ class _Search:
             if several:
                 self.leave_out(shown, reason_for(several, "Grade this zip by itself"))
                 return
-        made = _StudentsZip(item.time, *_receipt_time(inside))
+        made = _StudentsZip(item.time, _receipt(inside))
         if not any(
             each.parts[-1].lower().endswith((".ipynb", ".zip")) for each in inside if not each.ignored
         ):
@@ -526,8 +538,9 @@ class _Search:
                 f"{student}, {lesson}: {best.shown} counts, because the newer {newest.shown} cannot be used "
                 f"({newest.inspection.problem})"
             )
-        if best.zip and best.zip.note:
-            notes.insert(0, best.zip.note)
+        receipt = best.zip.receipt if best.zip else _Receipt()
+        if receipt.note:
+            notes.insert(0, receipt.note)
         if not best.is_named:
             why = "its name begins with that lesson's" if best.more else "its metadata name that lesson"
             notes.insert(0, f"{best.shown} counts as {lesson}, because {why}")
@@ -537,10 +550,11 @@ class _Search:
             best.item.source,
             file=best.shown,
             reason=best.item.problem,
-            handed_in=datetime.fromtimestamp(best.zip.packed, UTC).isoformat(" ", "minutes")
-            if best.zip and best.zip.packed
+            handed_in=datetime.fromtimestamp(receipt.packed, UTC).isoformat(" ", "minutes")
+            if receipt.packed
             else "",
             late=best.name.late,
+            versions=receipt.versions,
         )
         if len(self.spellings[student]) > 1:
             made = replace(made, reason=_ALIKE.format(len(self.spellings[student])))
@@ -585,27 +599,31 @@ def _each_student_first(lines: list[str]) -> tuple[str, ...]:
     return tuple(line for _, line in sorted(zip(turns, lines, strict=True), key=itemgetter(0)))
 
 
-def _receipt_time(items: Iterable[Item]) -> tuple[float, str]:
-    """Return the time at which a zip of `nao-course submit` was made, and a note if its receipt has no usable time.
+def _receipt(items: Iterable[Item]) -> _Receipt:
+    """Read the receipt in a zip; it is a student's file.
 
-    The time is 0 without a usable one. A receipt is a student's file: a time without an offset from UTC would be
-    another one on each grader's machine, and the year 9999 is nobody's.
+    A time without an offset from UTC would be another one on each grader's machine, and the year 9999 is nobody's.
     """
     for item in items:
         if item.parts[-1] == "receipt.json":
+            versions: Mapping[str, str] = {}
             try:
-                told = datetime.fromisoformat(json.loads(item.content(2**16))["time"])
-                if told.tzinfo is None:
-                    return 0.0, f"the receipt's time {told} does not count, because it has no offset from UTC"
-                if not _EARLIEST <= told < _LATEST:
-                    return (
-                        0.0,
-                        f"the receipt's time {told} does not count, because it is not between 2020 and 2100",
-                    )
-                return told.timestamp(), ""
-            except (Refused, ValueError, TypeError, KeyError, RecursionError, OverflowError):
-                return 0.0, "the receipt does not count, because it has no time that can be read"
-    return 0.0, ""
+                told = json.loads(item.content(2**16))
+                versions = stated_versions(told.get("versions"))
+                time = datetime.fromisoformat(told["time"])
+            except (Refused, ValueError, TypeError, KeyError, AttributeError, RecursionError):
+                note = "the receipt does not count, because it has no time that can be read"
+                return _Receipt(0.0, note, versions)
+            problem = (
+                "it has no offset from UTC"
+                if time.tzinfo is None
+                else ("" if _EARLIEST <= time < _LATEST else "it is not between 2020 and 2100")
+            )
+            if problem:
+                note = f"the receipt's time {time} does not count, because {problem}"
+                return _Receipt(0.0, note, versions)
+            return _Receipt(time.timestamp(), "", versions)
+    return _Receipt()
 
 
 def of_lessons(gathered: Gathered, lessons: Sequence[str]) -> list[Submission]:

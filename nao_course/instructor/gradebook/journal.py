@@ -202,9 +202,7 @@ class Journal:
 
     # --- results ---
 
-    def keep(
-        self, result: SubmissionResult, versions: str = "", *, newest: SubmissionResult | None = None
-    ) -> None:
+    def keep(self, result: SubmissionResult, *, newest: SubmissionResult | None = None) -> None:
         """Store a result in one transaction; the result that it replaces moves to the history.
 
         A result that another grader has stored meanwhile for the same files is replaced without a trace.
@@ -213,8 +211,6 @@ class Journal:
         ----------
         result : SubmissionResult
             Complete.
-        versions : str
-            Of Python and libraries that it was graded with.
         newest : SubmissionResult, optional
             The result of a newer submission that does not count, so that it is not graded again.
 
@@ -232,7 +228,7 @@ class Journal:
             result.status,
             result.level,
             result.seconds,
-            versions,
+            ", ".join(f"{name} {version}" for name, version in result.graded_with.items()),
             now(),
             json.dumps(as_json(result), ensure_ascii=False),
         )

@@ -167,6 +167,8 @@ class SubmissionResult:
         Whether the platform says that it was handed in late.
     versions : mapping of str to str
         What the notebook was written with, as far as it or the receipt says so: "python", "numpy" and others.
+    graded_with : mapping of str to str
+        Versions of the grader; empty in results of earlier versions.
     """
 
     student: str
@@ -185,6 +187,7 @@ class SubmissionResult:
     handed_in: str = ""
     late: bool = False
     versions: Mapping[str, str] = field(default_factory=dict)
+    graded_with: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def undecided(self) -> tuple[ExerciseResult, ...]:

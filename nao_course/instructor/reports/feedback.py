@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from nao_course._internal.counts import say_count
+from nao_course.exercises.versions import in_words
 from nao_course.homework import REQUEST
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.late import Lateness, LatePolicy
@@ -443,6 +444,9 @@ def _footer(result: SubmissionResult) -> Markup:
     if result.submission:
         parts.append(f"its fingerprint begins with {result.submission[:16]}")
     said = f"{', '.join(parts)}. " if parts else ""
+    if result.graded_with and result.status == "graded":
+        written = in_words(result.versions)
+        said += f"{f'Written with {written}; graded' if written else 'Graded'} with {in_words(result.graded_with)}. "
     hidden = "Hidden cases have other inputs than the public check. " if result.status == "graded" else ""
     return element(
         "footer",

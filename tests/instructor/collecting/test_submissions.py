@@ -288,7 +288,8 @@ TIMES = ("0001-01-01T00:00:00+14:00", "9999-12-31T23:59:59.999999+00:00", "1999-
 @pytest.mark.parametrize(
     "receipt",
     [
-        *(b"", b"[" * 60000, b'{"time": 7}', b'{"time": "soon"}', b"\xff", b"x" * 10**6),
+        *(b"", b"[" * 60000, b'{"time": 7}', b'{"time": "soon"}', b"\xff", b"x" * 10**6, b"[7]"),
+        json.dumps({"versions": ["numpy"], "time": None}).encode(),
         *(json.dumps({"time": time}).encode() for time in (*TIMES, "2026-11-20T23:59:00", "2026-11-20")),
     ],
 )
@@ -306,7 +307,7 @@ def test_one_students_odd_file_or_notebook_stops_nobody_else(look, tmp_path, mon
     inner = packed(tmp_path / "inner.zip", {HSL: NOTEBOOK}).read_bytes()
     names = {f"ada/{HSL}": NOTEBOOK, "ben/work.zip": inner, f"eve/{HSL}": NOTEBOOK, f"eve/a {HSL}": NOTEBOOK}
     path = packed(tmp_path / "in.zip", names)
-    monkeypatch.setattr(submissions, "_receipt_time", fail)
+    monkeypatch.setattr(submissions, "_receipt", fail)
     monkeypatch.setattr(submissions, "inspect_notebook", fail)
     found = look(path)
     assert who(found) == [("ada", HSL[:-6])]
