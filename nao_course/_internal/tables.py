@@ -6,7 +6,7 @@ import csv
 import io
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -96,7 +96,8 @@ class Person:
 def read_people(path: Path) -> list[Person]:
     """Read a class list: one name in each line, a table with a column "student", or Moodle's or Canvas's sheet.
 
-    Raise a TableError for a table without these columns, or if a spreadsheet has shortened a number to "1,00E+03".
+    Raise a TableError for a table without these columns, if one of them or a student's number is there twice, or if a
+    spreadsheet has shortened a number to "1,00E+03".
     """
     rows = [
         [unicodedata.normalize("NFC", unescape_formula(cell)).strip() for cell in row]
@@ -113,12 +114,13 @@ def read_people(path: Path) -> list[Person]:
         number = numbers[0]
         names = full[0] if full else None
         platform = "moodle"
+    refuse_doubled_columns(path.name, header, (header[at] for at in (names, number) if at is not None))
     if names is None and (len(header) > 1 or header[0] in _HEADINGS):
         raise TableError(
             f"{path.name}, row 1: the columns are {_few(rows[0])}; a class list should have a column {STUDENT!r}, "
             "or one name in each line, or be Moodle's grading worksheet or Canvas's gradebook"
         )
-    people = []
+    people, numbers = [], []
     for line, row in enumerate(rows[names is not None :], start=1 + (names is not None)):
         at = names or 0
         name = row[at] if at < len(row) else ""
@@ -136,7 +138,29 @@ def read_people(path: Path) -> list[Person]:
                 "Format the column as text, or export the list again"
             )
         people.append(Person(name, digits[1] if digits else "", platform, tuple(row)))
+        numbers += [(line, digits[1])] if digits else []
+    refuse_doubled_numbers(path.name, numbers)
     return people
+
+
+def refuse_doubled_columns(file: str, names: Sequence[str], wanted: Iterable[str]) -> None:
+    """Raise TableError if a table has one of some columns more than once."""
+    if twice := [name for name in wanted if names.count(name) > 1]:
+        raise TableError(
+            f"{file}, row 1: the columns {', '.join(map(repr, twice))} are there twice. Rename or remove all but "
+            "one of each"
+        )
+
+
+def refuse_doubled_numbers(file: str, numbers: Iterable[tuple[int, str]]) -> None:
+    """Raise TableError if two rows have the number of one student; `numbers` has the row of each number."""
+    rows: dict[str, int] = {}
+    for row, number in numbers:
+        if (first := rows.setdefault(number, row)) != row:
+            raise TableError(
+                f"{file}, rows {first} and {row}: both have the number {number}, and only one can be the student's. "
+                "Remove the other one, or export the table again"
+            )
 
 
 def plain_number(text: str) -> float | None:
@@ -241,9 +265,7 @@ def _name(cell: str) -> str:
 def _rows(file: str, rows: Sequence[Sequence[str]], header: Sequence[str]) -> Iterator[Row]:
     """Yield rows by the names of the header, without other columns; cells beyond the header are refused."""
     names = [_name(cell) for cell in rows[0]]
-    twice = sorted({name for name in names if name in header and names.count(name) > 1})
-    if twice:
-        raise TableError(f"{file}, row 1: the columns {', '.join(map(repr, twice))} are there twice")
+    refuse_doubled_columns(file, names, header)
     for number, cells in enumerate(rows[1:], start=2):
         if not any(cell.strip() for cell in cells):
             continue

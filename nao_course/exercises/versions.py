@@ -39,9 +39,9 @@ def numbers(text: str) -> tuple[int, int]:
     return (int(found[1]), int(found[2])) if found else (0, 0)
 
 
-def stated_versions(told: object) -> dict[str, str]:
+def stated_versions(given: object) -> dict[str, str]:
     """Return the versions in what a receipt or notebook states, which may be any value."""
-    stated = told if isinstance(told, Mapping) else {}
+    stated = given if isinstance(given, Mapping) else {}
     texts = {name: stated[name] for name in _SPOKEN if isinstance(stated.get(name), str)}
     return {name: text for name, text in texts.items() if numbers(text) > (0, 0)}
 

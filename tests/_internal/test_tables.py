@@ -49,6 +49,12 @@ def test_a_list_without_a_header_has_a_name_in_each_line(tmp_path):
         ("Username\nada\n", "row 1: the columns are 'Username'"),
         ("Doe, Jane\nRoe, Max\n", "row 1: the columns are 'Doe', 'Jane'"),
         ("ada\nDoe, Jane\n", "row 2: 'Doe', 'Jane' are several cells"),
+        ("student,id,Student\nada,1,bob\n", "row 1: the columns 'student' are there twice"),
+        (
+            "Identifier,Full name\nUser 7,Ada\nUser 8,Bob\nUser 7,Ada\n",
+            "rows 2 and 4: both have the number 7",
+        ),
+        ("Student,ID,Section\nAda,7,A\nAda,7,B\n", "rows 2 and 3: both have the number 7"),
         ("student,id\n1.00E+03,1\n", "row 2: '1.00E\\+03' is a number that a spreadsheet has shortened"),
     ],
 )

@@ -10,7 +10,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from nao_course._internal.tables import TableError, plain_number, read_rows
+from nao_course._internal.tables import (
+    TableError,
+    plain_number,
+    read_rows,
+    refuse_doubled_columns,
+    refuse_doubled_numbers,
+)
 from nao_course.homework import zipped
 from nao_course.instructor.collecting.layouts import canvas_name
 from nao_course.instructor.gradebook.records import SubmissionResult
@@ -91,7 +97,8 @@ def fill_sheet(
     Raises
     ------
     TableError
-        If it is not such a sheet, if no column is given, or if its maximum is not the lesson's and `scale` is false.
+        If it is not such a sheet, if a student or a column that matters is there twice, if no column is given, or if
+        its maximum is not the lesson's and `scale` is false.
     """
     rows = read_rows(sheet)
     if not rows:
@@ -104,15 +111,20 @@ def fill_sheet(
     maximum_of = _maxima(rows, columns, sheet.name)
     numbers = Counter(_number_of(each.result.student) for each in made)
     points = {n: each for each in made if numbers[n := _number_of(each.result.student)] == 1 and n}
-    there, filled, left = set(), 0, []
-    for row in rows[1:]:
-        found = re.fullmatch(r"\D*(\d+)", row[columns.number].strip())
-        if not found or row[0].strip().casefold().startswith((POSSIBLE.casefold(), _TEST_STUDENT)):
-            continue
-        there.add(found[1])
-        if found[1] in points:
+    students = {
+        at: found[1]
+        for at, row in enumerate(rows)
+        if at
+        and (found := re.fullmatch(r"\D*(\d+)", row[columns.number].strip()))
+        and not row[0].strip().casefold().startswith((POSSIBLE.casefold(), _TEST_STUDENT))
+    }
+    refuse_doubled_numbers(sheet.name, ((at + 1, its) for at, its in students.items()))
+    filled, left = 0, []
+    for at, its in students.items():
+        row = rows[at]
+        if its in points:
             maximum = maximum_of(row)
-            earned = points[found[1]].earned
+            earned = points[its].earned
             if abs(_value(maximum) - worth) > 0.005:
                 if not scale:
                     raise TableError(_other_maximum(platform, sheet.name, maximum, made[0], worth))
@@ -122,7 +134,9 @@ def fill_sheet(
         else:
             left.append(row[0].strip())
     without = sorted(
-        each.result.student for each in made if _number_of(each.result.student) not in there & points.keys()
+        each.result.student
+        for each in made
+        if _number_of(each.result.student) not in points.keys() & students.values()
     )
     text = io.StringIO()
     csv.writer(text, lineterminator="\r\n").writerows(rows)
@@ -174,6 +188,8 @@ def _columns(platform: str, file: str, header: Sequence[str], wanted: str) -> _C
         raise TableError(f"{file} is not Canvas's exported gradebook: it has no column 'ID'")
     if not wanted:
         raise TableError(f"say which column the points go to: --column {_first_assignment(header)!r}")
+    keys = [each.casefold() for each in (key, maximum) if each]
+    refuse_doubled_columns(file, names, keys)
     fits = [i for i, name in enumerate(names) if name == wanted.strip().casefold()]
     fits = fits or [i for i, name in enumerate(names) if name.startswith(wanted.strip().casefold())]
     if len(fits) != 1:
