@@ -15,6 +15,7 @@ from typing import Any
 
 from nao_course._internal.lazy_names import list_public
 from nao_course._internal.renamed_names import with_new_names
+from nao_course._internal.text_encodings import decode_text
 from nao_course.exercises.answered import notebooks_in
 from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
 from nao_course.exercises.checking import lessons
@@ -324,7 +325,7 @@ def _cells_or_none(path: Path) -> list[Cell] | None:
 
 def _parsed(name: str, content: bytes) -> Notebook:
     try:
-        notebook: Notebook = json.loads(content)
+        notebook: Notebook = json.loads(decode_text(content))
         for cell in notebook["cells"]:
             "".join(cell["source"]), cell["cell_type"], cell.get("metadata", {}).keys()
     except (ValueError, TypeError, KeyError, AttributeError) as error:

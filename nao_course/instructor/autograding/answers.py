@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
+from nao_course._internal.text_encodings import decode_text
 from nao_course.exercises.cells import source_of
 from nao_course.instructor.gradebook.records import ExerciseResult, fingerprint
 
@@ -17,7 +18,11 @@ def with_answers(exercises: Iterable[ExerciseResult], notebook: bytes) -> tuple[
     Other changes in the notebook change nothing. Without such a cell, the fingerprint stays empty.
     """
     try:
-        cells = [source_of(each) for each in json.loads(notebook)["cells"] if each.get("cell_type") == "code"]
+        cells = [
+            source_of(each)
+            for each in json.loads(decode_text(notebook))["cells"]
+            if each.get("cell_type") == "code"
+        ]
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         cells = []
     return tuple(replace(each, answer=_answer(each.name, cells)) for each in exercises)

@@ -177,7 +177,7 @@ def _earlier_result(outcome: SubmissionResult, journal: Journal) -> SubmissionRe
             and before.submission != outcome.submission
             and (outcome.status == "refused" or before.is_answered)
         ):
-            why = f"cannot be read ({outcome.reason})" if outcome.reason else "has no answer in it"
+            why = f"cannot be graded ({outcome.reason})" if outcome.reason else "has no answer in it"
             note = f"{_NEWER} {outcome.file} {why}, so this earlier notebook counts"
             left_out, notes = (
                 tuple(each for each in told if not each.startswith(_NEWER))

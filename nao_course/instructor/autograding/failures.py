@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from nao_course._internal.text_encodings import decode_text
 from nao_course.exercises import judging
 from nao_course.exercises.case import Case
 from nao_course.exercises.cells import source_of
@@ -137,7 +138,7 @@ def definition_lines(notebook: bytes, name: str) -> frozenset[tuple[int, str]]:
 def code_cells(notebook: bytes) -> tuple[str, ...]:
     """Return the source of each code cell of a notebook; nothing if it is large or cannot be read."""
     try:
-        cells = json.loads(notebook)["cells"] if len(notebook) <= LARGEST_READ else []
+        cells = json.loads(decode_text(notebook))["cells"] if len(notebook) <= LARGEST_READ else []
         return tuple(source_of(cell) for cell in cells if cell.get("cell_type") == "code")
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return ()

@@ -28,6 +28,7 @@ from nao_course.exercises.failed_cells import where_reused
 from nao_course.exercises.interactive import remark_on
 from nao_course.exercises.judging import explain
 from nao_course.exercises.lesson_names import number_of
+from nao_course.exercises.notebook_text import DEFINED
 from nao_course.exercises.running import Outcome
 from nao_course.exercises.versions import Newer, installed_versions, newer_than_here, stated_versions
 from nao_course.instructor.autograding.answers import with_answers
@@ -183,7 +184,7 @@ def _grade(
         earlier = handed_in_earlier(files, assignment)
         with _worker(notebook, assignment, server, loading, helpers, earlier) as worker:
             found = worker.definitions
-            if not found.names and (reason := _why_unreadable(worker, found)):
+            if reason := _why_refused(worker, found, assignment, files):
                 return refuse(submission, assignment, reason, files.hash), worker.deaths
             told += [found] if found.names else []
             said = told[0] if told else found
@@ -194,9 +195,6 @@ def _grade(
             exercises = with_causes(grader.all_exercises(), found.skipped, files.notebook, newer)
             exercises = tuple(_with_remarks(each, said.remarks.get(each.name, ())) for each in exercises)
             exercises = with_answers(exercises, files.notebook)
-            is_another_lessons = said.lesson not in ("", assignment.lesson) and all(
-                each.state == "not found" for each in exercises
-            )
             too_slow = tuple(
                 f"{each.name}: {each.text}" for each in exercises if each.state in ("timed out", "not run")
             )
@@ -210,7 +208,7 @@ def _grade(
         submission=files.hash,
         assignment=assignment.hash,
         exercises=exercises,
-        written=_written(assignment, Found() if is_another_lessons else said),
+        written=_written(assignment, said),
         notes=(
             *submission.notes,
             *_remarks(said, assignment),
@@ -271,9 +269,14 @@ def _worker(
     )
 
 
-def _why_unreadable(worker: Worker, found: Found) -> str:
-    """Return the reason why there is nothing to grade; an empty string for a notebook without definitions."""
-    if found.skipped and found.skipped[0].cell == 0:
+def _why_refused(worker: Worker, found: Found, assignment: Assignment, files: Files) -> str:
+    """Return the reason why there is nothing to grade; an empty string for a notebook of the lesson."""
+    exercises = {task.public.name for task in assignment.tasks}
+    defined = {*found.names, *found.remarks, *DEFINED.findall("\n".join(code_cells(files.notebook)))}
+    if found.lesson not in ("", assignment.lesson) and exercises.isdisjoint(defined):
+        said = f"it says that it is lesson {found.lesson[:60]!r}, and it defines no exercise of {assignment.lesson}"
+        return f"{said}. Hand in the notebook of this lesson"
+    if not found.names and found.skipped and found.skipped[0].cell == 0:
         outcome = worker.call("", Case(()))
         return outcome.text if outcome.status == "not found" else ""
     return ""

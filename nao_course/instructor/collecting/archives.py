@@ -24,6 +24,7 @@ LARGEST_ZIP = 4 * MOST_BYTES
 LARGEST_READ = 2 * 2**20  # bytes of the largest notebook that is read as it is, and whose lines are shown
 DEEPEST = 6  # folders in folders
 MOST_RATIO, SMALL = 200, 10 * 2**20  # how much smaller a file may be in a zip, where it is not small anyhow
+_OTHERS = re.compile(r"\.(7z|rar|tar|gz|tgz|bz2|xz|zst|zipx|lzh|ace|cab|iso)$", re.IGNORECASE)
 _NOBODYS = {"__MACOSX", ".DS_Store", ".git", ".gitkeep", ".ipynb_checkpoints"}  # in a folder of all students
 _LEFT_OUT = {*_NOBODYS, "kept", "release", "__pycache__"}  # in a student's
 _BAD = (
@@ -74,6 +75,11 @@ class Item:
     problem: str = ""
     ignored: bool = False
 
+    @property
+    def folder(self) -> str:
+        """The folder that it lies in, with the folders around all students."""
+        return self.entry.filename.rpartition("/")[0] if self.entry else str(self.source.parent)
+
     def content(self, most: int) -> bytes:
         """Return what is in it.
 
@@ -92,6 +98,19 @@ class Item:
             if len(data) > most:
                 raise Refused(too_large(most))
             return data
+
+
+def other_archive(file: str) -> str:
+    """Return why a file is not opened that is named like an archive but is no zip; empty for any other file.
+
+    Examples
+    --------
+    >>> other_archive("work.7z")
+    'it is a 7z archive, and only zips are opened. Unpack it, or hand in the zip that `nao-course submit` makes'
+    """
+    found = _OTHERS.search(file)
+    what = f"it is a {found[1].lower()} archive, and only zips are opened" if found else ""
+    return what and f"{what}. Unpack it, or hand in the zip that `nao-course submit` makes"
 
 
 def too_large(most: int) -> str:

@@ -125,6 +125,7 @@ _WRAPPERS = [(layout, re.compile(layout.wrapper, re.IGNORECASE)) for layout in L
 PLAIN = LAYOUTS[-1].platform
 _CANVAS_AGAIN = re.compile(r"-(\d{1,3})$")
 # Moodle puts the chosen group before the name.
+_NUMBERED = re.compile(r"[ _-]\d{1,2}$", re.ASCII)  # "jan_2" beside "jan" may be a copy or another student
 _GROUP = re.compile(
     r"(?:(?=[^-]*\d)|(?:group|gruppe|groupe|grupo|gruppo|groep|team)\b)[^-]*-(?=[^\W\d])", re.IGNORECASE
 )
@@ -365,11 +366,9 @@ class Students:
             (made.student for _, made in files if made.platform == "Moodle"), {*map(clean_name, known)}
         )
         self._numbers = _grouped((made.student, made.number) for _, made in files if made.number)
-        self._alike = _grouped(
-            (_without_weak_marks(made.student), made.student.casefold())
-            for _, made in files
-            if not made.is_certain
-        )
+        people = {made.student for _, made in files if not made.is_certain}
+        self._unnumbered = {_without_weak_marks(each) for each in people}
+        self._alike = _grouped((self._base(each), each.casefold()) for each in people)
         # A student whom an earlier version named by a whole folder, with its date, keeps that name.
         self._before = _grouped(
             (made.student, parts[0]) for parts, made in files if made.is_certain and self.is_known(parts[0])
@@ -408,13 +407,20 @@ class Students:
             (student,) = before
         if made.written and self.is_known(made.written):
             student, problem = made.written, ""
-        alike = (
-            set() if made.is_certain or self.is_known(student) else self._alike[_without_weak_marks(student)]
-        )
+        alike = set() if made.is_certain or self.is_known(student) else self._alike[self._base(student)]
         if len(alike) > 1 and not problem:
             names = ", ".join(sorted(alike)[:3])
-            problem = f"these names may be attempts of one student: {names}. If so, {_FOLDER_NAME}"
+            problem = (
+                f"these names may be attempts of one student: {names}. If so, {_FOLDER_NAME}; if they are several "
+                "students, rename them, such as 'jan_2' to 'jan b'"
+            )
         return replace(made, student=student or made.written, problem=problem)
+
+    def _base(self, student: str) -> str:
+        """Return a name without what may mark a copy; a number at its end only if there is the name without it."""
+        name = _without_weak_marks(student)
+        base = _NUMBERED.sub("", name)
+        return base if base in self._unnumbered else name
 
     def _blackboards_user(self, head: str) -> str:
         """Return the user of "TITLE_USER"; empty if underscores leave several possible users."""

@@ -14,10 +14,17 @@ from typing import Any, NamedTuple
 
 from nao_course._internal.counts import say_count
 from nao_course.exercises.answered import Inspection, precedence, why_not
-from nao_course.exercises.lesson_names import found_in, lesson_and_more, lesson_of
+from nao_course.exercises.lesson_names import LONGEST_FILE, found_in, lesson_and_more, lesson_of
 from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 from nao_course.exercises.versions import stated_versions
-from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_folder, in_zip
+from nao_course.instructor.collecting.archives import (
+    LARGEST_ZIP,
+    Item,
+    Refused,
+    in_folder,
+    in_zip,
+    other_archive,
+)
 from nao_course.instructor.collecting.choosing import NOT_INSPECTED, inspect_notebook
 from nao_course.instructor.collecting.layouts import HandedIn, Students, added_for, is_request
 from nao_course.instructor.collecting.marks import without_weak_marks
@@ -318,18 +325,22 @@ class _Search:
         if item.ignored or added_for(item.parts) is not None:
             return
         if name is None:
-            mentioned = any(found_in(first, self.lessons))
+            mentioned = any(found_in(_without_suffixes(first), self.lessons))
             spoiled = mentioned and not first.lower().endswith((".ipynb", ".zip"))
             reason = "it is no notebook" if spoiled else "it names no student and lesson"
             if mentioned and not spoiled:
                 reason = (
                     "no student's name stands before the lesson's; put it into a folder that has that name"
                 )
-            self.leave_out(shown, item.problem or reason, is_lost=spoiled or bool(item.problem))
+            self.leave_out(
+                shown, item.problem or other_archive(first) or reason, is_lost=spoiled or bool(item.problem)
+            )
         elif name.file.lower().endswith(".zip"):
             self.look_into_zip(item, name, shown)
+        elif problem := other_archive(name.file):
+            self.refuse_archive(item, name, shown, item.problem or problem)
         else:
-            self.take(item, name, (item.source.parent, item.parts[:-1]), shown)
+            self.take(item, name, (item.folder,), shown)
 
     def look_into_zip(self, item: Item, name: HandedIn, shown: str) -> None:
         """Sort in what a student's zip holds."""
@@ -337,11 +348,7 @@ class _Search:
             path = self.unpack(item, "handed_in.zip", LARGEST_ZIP)
             inside = in_zip(path, students=True)
         except Refused as refused:
-            lesson = lesson_of(name.file, self.lessons) or (self.wanted[0] if len(self.wanted) == 1 else "")
-            if lesson:
-                self.add(replace(item, problem=str(refused)), name, lesson, (), shown)
-            else:
-                self.leave_out(shown, str(refused))
+            self.refuse_archive(item, name, shown, str(refused))
             return
         is_certain = name.is_certain or self.students.is_known(name.student)
         if not is_certain:
@@ -367,6 +374,18 @@ class _Search:
                 self.take(each, inner, (path, each.parts[:-1]), within, made)
                 if not is_certain and (lesson := lesson_of(inner.file, self.lessons)):
                     self.zips[item.parts[:-1], lesson].add(item.parts[-1].rpartition(".")[0])
+
+    def refuse_archive(self, item: Item, name: HandedIn, shown: str, problem: str) -> None:
+        """Record an archive that cannot be opened: as a submission, if its lesson is known."""
+        lessons = self.lessons_in(name.file) or set(self.wanted)
+        if len(lessons) == 1:
+            self.add(replace(item, problem=problem), name, *lessons, (), shown)
+        else:
+            self.leave_out(shown, problem, is_lost=True)
+
+    def lessons_in(self, file: str) -> set[str]:
+        """Return the lessons that the name of a file or folder mentions."""
+        return {lesson for lesson, _, _ in found_in(_without_suffixes(file), self.lessons)}
 
     def take(
         self, item: Item, name: HandedIn, place: tuple[Any, ...], shown: str, made: _StudentsZip | None = None
@@ -399,19 +418,26 @@ class _Search:
         return self.wanted[0] if found == {self.wanted[0].encode()} else ""
 
     def leave_out(self, shown: str, reason: str, *, is_lost: bool = False) -> None:
-        """Record a path that is not graded. A notebook, a zip, a link or a folder may be a student's work."""
+        """Record a path that is not graded.
+
+        A notebook, an archive, a link or a folder may be a student's work; not one that names only lessons which are
+        not graded now.
+        """
         file = shown.rpartition("/")[2].lower()
-        may_be_work = is_lost or file.endswith((".ipynb", ".zip"))
+        lessons = self.lessons_in(file)
+        is_others = bool(lessons) and lessons.isdisjoint(self.wanted)
+        is_work = is_lost or file.endswith((".ipynb", ".zip")) or bool(other_archive(file))
+        may_be_work = is_work and not is_others
         (self.lost if may_be_work else self.unknown).append(f"{shown}: {reason}")
-        self.owners[self.owner] |= may_be_work
+        self.owners[self.owner] |= is_work or is_others
         if may_be_work:
             self.named.add(self.owner)
 
     def leave_out_folder(self, folder: str) -> None:
         """Record once that a folder is not graded, because it is not one student's."""
         line = f"{clean_name(folder)}: {self.refused[folder]}"
-        if line not in self.lost:
-            self.lost.append(line)
+        if line not in (*self.lost, *self.unknown):
+            self.leave_out(clean_name(folder), self.refused[folder], is_lost=True)
 
     def add(
         self,
@@ -452,11 +478,11 @@ class _Search:
             for owner, has_work in self.owners.items()
             if not has_work
         ]
-        lost = _each_student_first([*self.lost, *empty, *self.without_a_wanted_lesson()])
+        lost = _each_student_first([*self.lost, *empty])
         return Gathered(
             tuple(each for each in chosen if not each.reason),
             tuple(each for each in chosen if each.reason),
-            (*lost, *self.unknown),
+            (*lost, *self.without_a_wanted_lesson(), *self.unknown),
             lost,
             recognised=tuple(self.recognised()),
             older=tuple(self.older),
@@ -586,6 +612,11 @@ class _Search:
         folder.mkdir(parents=True)
         (folder / name).write_bytes(content)
         return folder / name
+
+
+def _without_suffixes(file: str) -> str:
+    """Return a file's name without what editors, browsers and archives put behind ".ipynb"."""
+    return re.sub(r"(?:\.\w{1,8}){1,3}$", "", file[:LONGEST_FILE], flags=re.ASCII) + "."
 
 
 def _each_student_first(lines: list[str]) -> tuple[str, ...]:

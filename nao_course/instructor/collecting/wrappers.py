@@ -17,6 +17,12 @@ from nao_course.instructor.collecting.names import clean_name
 _MOST_NAMED = 3
 _ZIP = ".zip"
 _OF_A_LESSON = "it is named after a lesson, not after a student. Grade this folder by itself"
+# Folders of lessons that are named by a number only.
+_LESSON = re.compile(
+    r"(?:lesson|assignment|homework|hw|exercise|lab|week|sheet|unit|session|lektion|aufgabe|\u00fcbung|blatt|woche)"
+    r"[ _-]?\d{1,2}",
+    re.IGNORECASE,
+)
 # What students call their folders and copies.
 _OWN = re.compile(
     r"(?:\d|my|old|new|backup|draft|final|copy|work|homework|hw|submission(?:-\d+)*"
@@ -70,6 +76,8 @@ def unwrap(
     """
     theirs = {clean_name(each).casefold() for each in known}
     items, platforms = without_wrappers(items, lambda name: clean_name(name).casefold() in theirs, root)
+    if _are_lessons_around_students(items, lessons, theirs):
+        return unwrap([_without(item.parts[:1], item) for item in items], lessons, known)
     folders: dict[str, list[Item]] = defaultdict(list)
     for item in items:
         folders[item.parts[0]].append(item)
@@ -80,7 +88,7 @@ def unwrap(
         paths = [each.parts[1:] for each in inside if not each.ignored and len(each.parts) > 1]
         if names := students_in(paths, lessons, folder):
             refused[folder], several[folder] = reason_for(names), names
-        elif paths and is_a_lesson(folder, lessons):
+        elif paths and _is_about_a_lesson(folder, lessons):
             refused[folder], several[folder] = _OF_A_LESSON, []
     used = {item.parts[0] for item in items if not item.ignored}
     (first,) = used if len(used) == 1 else ("",)
@@ -91,6 +99,24 @@ def unwrap(
             inner = unwrap([_without(around, item) for item in folders[first]], lessons, known, around[-1])
             return replace(inner, wrapper="/".join(filter(None, [*around, inner.wrapper])))
     return Unwrapped(items, "", refused, platforms)
+
+
+def _is_about_a_lesson(folder: str, lessons: Sequence[str]) -> bool:
+    return bool(_LESSON.fullmatch(folder)) or is_a_lesson(folder, lessons)
+
+
+def _are_lessons_around_students(
+    items: Sequence[Item], lessons: Sequence[str], theirs: Collection[str]
+) -> bool:
+    """Return whether all files lie in several folders of lessons, and in folders or files of students in these."""
+    paths = [item.parts for item in items if not item.ignored and len(item.parts) > 1]
+    return len({parts[0] for parts in paths}) > 1 and all(
+        _is_about_a_lesson(parts[0], lessons)
+        and clean_name(parts[0]).casefold() not in theirs
+        and (named := handed_in(parts[1:], lessons)) is not None
+        and not _is_a_students_own(named.student, lessons)
+        for parts in paths
+    )
 
 
 def _without(around: tuple[str, ...], item: Item) -> Item:

@@ -352,6 +352,25 @@ def test_a_definition_that_fails_is_told_with_its_cell_line_and_error(marked, so
     )
 
 
+def test_another_lessons_notebook_is_refused_and_named_unless_it_defines_an_exercise(marked):
+    stamp = (chain.LESSON.encode(), b"91_other\x1b[1m".replace(b"\x1b", b"\\u001b"))
+    theirs = chain.notebook().replace(*stamp)
+    assert marked(content=theirs).earned == 7
+    refused = marked(content=theirs.replace(b"def ", b"def other_"))
+    assert refused.status == "refused" and "lesson '91_other\\x1b[1m'" in refused.reason
+    broken = theirs.replace(b"def ", b"def other_").replace(b"def other_double(x):", b"def double(x:")
+    assert of(marked(content=broken), "double").state == "raised"
+
+
+def test_zero_bytes_behind_a_notebook_and_other_encodings_cost_nothing(marked):
+    plain = marked({"double": "def double(x):\n    raise ValueError('\xe4')"})
+    text = chain.notebook({"double": "def double(x):\n    raise ValueError('\xe4')"}).decode()
+    text = text.replace("\\u00e4", "\xe4")
+    for content in (text.encode() + b"\0" * 512, text.encode("utf-16"), text.encode("cp1252")):
+        again = marked(content=content)
+        assert again.exercises == plain.exercises and of(again, "double").line
+
+
 def test_a_name_that_is_used_again_is_named_with_its_cell(marked):
     double = of(marked({"double": "def double(x):\n    return np.multiply(x, 2)"}, extra="np = 3"), "double")
     assert "name np" in double.public[-2] and double.public[-1].startswith("Code cell 6 ")

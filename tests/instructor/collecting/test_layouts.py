@@ -252,6 +252,8 @@ def test_the_next_week_has_the_same_students_and_no_guard_stops_a_platforms_own_
         ([f"Ada 9:26 PM_{HSL}"], "cannot be read"),
         ([f"ada_20261120_{HSL}", f"ada_20261121_{HSL}"], "attempts of one student"),
         ([f"Ada/{HSL}", f"Ada (1)/{HSL}"], "attempts of one student"),
+        ([f"jan/{HSL}", f"jan_2/{HSL}", f"Jan-3/{HSL}"], "rename them"),
+        ([f"jan_{HSL}", f"jan 2_{HSL}"], "rename them"),
         (
             [f"50-6 - Ada - Nov 20, 2026 932 PM/{HSL}", f"51-6 - Ada - Nov 21, 2026 932 PM/{HSL}"],
             "different numbers",

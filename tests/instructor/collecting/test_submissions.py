@@ -3,6 +3,7 @@
 import json
 import os
 import random
+import re
 import zipfile
 from dataclasses import replace
 from datetime import datetime
@@ -481,13 +482,31 @@ def test_an_empty_folder_in_a_zip_names_its_student(look, tmp_path):
     assert found.not_graded == ("hal: there is no notebook of a lesson",)
 
 
-def test_a_student_who_handed_in_only_another_lesson_is_named(tmp_path):
-    path = put(
-        tmp_path / "in", f"ada/{HSL}", "ben/02_goal_posts.ipynb", "cleo/02_goal_posts.ipynb", "cleo/x.zip"
-    )
+OF_OTHER_LESSONS = (
+    "ben/02_goal_posts.ipynb",
+    "cleo/02_goal_posts.zip",
+    "dan/02_goal_posts.ipynb.txt",
+    "eve_02_goal_posts.rar",
+    "02_goal_posts.ipynb",
+    "Fay 03-04-2026_02_goal_posts.ipynb",
+    "gil/02_goal_posts_a.ipynb",
+    "gil/02_goal_posts_b.ipynb",
+    "02_goal_posts/hal/02_goal_posts.ipynb",
+)
+
+
+def test_other_lessons_are_named_and_only_what_may_be_of_a_wanted_lesson_is_not_graded(tmp_path):
+    path = packed(tmp_path / "in.zip", dict.fromkeys([f"ada/{HSL}", *OF_OTHER_LESSONS], NOTEBOOK))
     found = gather(path, tmp_path / "scratch", LESSONS, ["01_hsl_filtering"])
-    assert who(found) == [("ada", HSL[:-6])]
-    assert "ben: nothing was handed in for 01_hsl_filtering, only for 02_goal_posts" in found.not_graded
+    assert who(found) == [("ada", HSL[:-6])] and found.not_graded == () and found.refused == ()
+    listed = "\n".join(found.unknown)
+    assert all(re.split("[/_ ]", name)[0] in listed for name in OF_OTHER_LESSONS)
+    assert "ben: nothing was handed in for 01_hsl_filtering, only for 02_goal_posts" in listed
+    unclear = {"cid/x.zip": b"", "ida/homework.ipynb": NOTEBOOK, "jo/": b"", "kim/01_hsl_filtering.txt": b""}
+    path = packed(tmp_path / "unclear.zip", {f"ada/{HSL}": NOTEBOOK} | unclear)
+    found = gather(path, tmp_path / "scratch2", LESSONS, ["01_hsl_filtering"])
+    lines = [*found.not_graded, *(each.student for each in found.refused)]
+    assert sorted(re.split("[/:]", line)[0] for line in lines) == ["cid", "ida", "jo", "kim"]
 
 
 def test_a_student_cannot_pass_for_the_folder_around_all_students(tmp_path):
@@ -598,15 +617,62 @@ def test_a_platforms_name_in_another_order_is_the_folders_own(look, tmp_path):
     assert who(found) == [("Ada Lovelace", HSL[:-6])] and found.not_graded[0].startswith("late: ")
 
 
-def test_folders_of_lessons_are_no_students(look, tmp_path):
-    put(tmp_path / "in", f"{HSL[:-6]}/Ada/{HSL}", "00_meet_the_nao/Ada/00_meet_the_nao.ipynb")
-    found = look(tmp_path / "in")
-    assert not found.submissions and len(found.not_graded) == 2
-    assert all("named after a lesson" in line for line in found.not_graded)
-    found = look(tmp_path / "in" / HSL[:-6])
-    assert who(found) == [("Ada", HSL[:-6])]
-    found = look(put(tmp_path / "alone", f"{HSL[:-6]}/Ada/{HSL}"))
-    assert who(found) == [("Ada", HSL[:-6])] and found.wrapper == HSL[:-6]
+@pytest.mark.parametrize("kind", ["folder", "zip"])
+@pytest.mark.parametrize(
+    ("first", "second"), [(HSL[:-6], "02_goal_posts"), ("Lesson 01", "lesson 02"), ("week1", "week2")]
+)
+def test_a_folder_for_each_lesson_is_around_the_students_and_is_none(look, tmp_path, kind, first, second):
+    """Each lesson's helper stays with that lesson, because a zip has one folder for both otherwise."""
+    files = {
+        "readme.txt": b"",
+        f"{first}/Ben_{HSL}": NOTEBOOK,
+        f"{first}/Eve_7_assignsubmission_file_/{HSL}": b"{}",
+    }
+    for folder, lesson in ((first, HSL), (second, "02_goal_posts.ipynb")):
+        files |= {f"{folder}/Ada/{lesson}": NOTEBOOK, f"{folder}/Ada/mine.py": folder.encode()}
+    path = packed(tmp_path / "in.zip", files)
+    if kind == "folder":
+        zipfile.ZipFile(path).extractall(tmp_path / "in")
+        path = tmp_path / "in"
+    found = look(path)
+    assert who(found) == [("Ada", HSL[:-6]), ("Ada", "02_goal_posts"), ("Ben", HSL[:-6]), ("Eve_7", HSL[:-6])]
+    assert not found.not_graded and not found.wrapper
+    assert [dict(read(each).helpers) for each in found.submissions[:2]] == [
+        {"mine.py": folder.encode()} for folder in (first, second)
+    ]
+    alone = look(packed(tmp_path / "alone.zip", {f"{first}/Ada/{HSL}": NOTEBOOK}))
+    assert who(alone) == [("Ada", HSL[:-6])] and alone.wrapper == first
+
+
+@pytest.mark.parametrize("folder", [HSL[:-6], "Lesson 01", "week1"])
+def test_a_folder_of_a_lesson_is_no_student(look, tmp_path, folder):
+    """Beside a student it may be anybody's, and what lies in it without a name is nobody's."""
+    for names in ([f"{folder}/Ada/{HSL}", f"Ben/{HSL}"], [f"{folder}/{HSL}", f"Ben/{HSL}"]):
+        found = look(packed(tmp_path / "in.zip", dict.fromkeys(names, NOTEBOOK)))
+        assert who(found) == [("Ben", HSL[:-6])]
+        assert found.not_graded[0].startswith(f"{folder}: it is named after a lesson") or "no student" in str(
+            found.not_graded
+        )
+    weeks = look(packed(tmp_path / "weeks.zip", {f"week 1/{HSL}": NOTEBOOK, f"week 2/old/{HSL}": NOTEBOOK}))
+    assert not weeks.submissions and len(weeks.not_graded) == 2
+    own = look(
+        packed(tmp_path / "own.zip", {f"Ada/week 1/{HSL}": NOTEBOOK, f"Ada/{folder}/x {HSL}": NOTEBOOK})
+    )
+    assert who(own) == [("Ada", HSL[:-6])]
+
+
+@pytest.mark.parametrize("suffix", ["7z", "rar", "tar.gz", "TGZ"])
+def test_an_archive_that_is_no_zip_is_refused_by_its_name_with_what_to_do(look, tmp_path, suffix):
+    names = [f"ada/01_hsl_filtering.{suffix}", f"ben/work.{suffix}", f"cid_01_hsl_filtering.{suffix}"]
+    path = put(tmp_path / "in", *names, content=b"7z")
+    put(tmp_path / "in", f"ada/old {HSL}", f"dan/{HSL}", f"dan/data.{suffix}")
+    found = gather(path, tmp_path / "scratch", LESSONS, ["01_hsl_filtering"])
+    assert who(found) == [("ada", HSL[:-6]), ("dan", HSL[:-6])]
+    lines = {each.file: each.reason for each in found.refused}
+    lines |= dict(line.split(": ", 1) for line in found.not_graded)
+    assert sorted(lines) == names[1:]
+    assert all("archive, and only zips are opened. Unpack it" in line for line in lines.values())
+    assert names[0] in found.submissions[0].notes[0]  # it does not count before a notebook that can be read
 
 
 def test_a_folder_of_several_students_in_a_wrapper_is_no_student(look, tmp_path):
