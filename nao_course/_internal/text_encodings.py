@@ -57,9 +57,8 @@ def decode_text(data: bytes | bytearray) -> str:
         encodings = ["utf-16-be" if data[0] == 0 else "utf-16-le"]
     for encoding in encodings[:1] or ("utf-8-sig", "cp1252"):
         try:
-            text = data.decode(encoding).rstrip(
-                "\0"
-            )  # a computer that lost power leaves zeros at a file's end
+            # A computer that lost power leaves zeros at a file's end
+            text = data.decode(encoding).rstrip("\0")
         except UnicodeDecodeError:
             continue
         if "\0" in text or (encoding == "cp1252" and (_CONTROL.search(text) or _has_utf_8(data))):

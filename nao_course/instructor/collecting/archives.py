@@ -101,7 +101,7 @@ class Item:
 
 
 def other_archive(file: str) -> str:
-    """Return why a file is not opened that is named like an archive but is no zip; empty for any other file.
+    """Return why a file is not opened that is named like an archive of another kind than zip; empty for any other file.
 
     Examples
     --------

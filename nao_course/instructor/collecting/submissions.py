@@ -420,8 +420,8 @@ class _Search:
     def leave_out(self, shown: str, reason: str, *, is_lost: bool = False) -> None:
         """Record a path that is not graded.
 
-        A notebook, an archive, a link or a folder may be a student's work; not one that names only lessons which are
-        not graded now.
+        A notebook, an archive, a link or a folder may be a student's work, unless its name mentions only lessons
+        which are not graded now.
         """
         file = shown.rpartition("/")[2].lower()
         lessons = self.lessons_in(file)
