@@ -12,6 +12,7 @@ _MARKS = (  # UTF-32 first, because its mark begins with the one of UTF-16
     (codecs.BOM_UTF32_BE, "utf-32"),
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
+    (codecs.BOM_UTF8, "utf-8-sig"),
 )
 _PLAIN = {  # signs of the course's own messages, for outputs whose encoding lacks them
     **dict(zip("✔✘○●•→←×", "+xo**><x", strict=True)),
@@ -55,7 +56,7 @@ def decode_text(data: bytes | bytearray) -> str:
     encodings = [name for mark, name in _MARKS if data.startswith(mark)]
     if not encodings and b"\0" in data[:2]:
         encodings = ["utf-16-be" if data[0] == 0 else "utf-16-le"]
-    for encoding in encodings[:1] or ("utf-8-sig", "cp1252"):
+    for encoding in encodings[:1] or ("utf-8", "cp1252"):
         try:
             # A computer that lost power leaves zeros at a file's end
             text = data.decode(encoding).rstrip("\0")

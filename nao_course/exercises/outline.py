@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib import resources
+from importlib.resources.abc import Traversable
 from typing import Any, NamedTuple
 
 from nao_course.exercises.cells import grade_id, source_of, stated_role
@@ -121,7 +122,17 @@ def read_outline(name: str) -> Outline:
     (6, 0)
     """
     lesson = _NAME.match(name)
-    file = resources.files("nao_course.exercises") / FOLDER / f"{lesson[0] if lesson else ''}.json"
+    file = _folder() / f"{lesson[0] if lesson else ''}.json"
     if not file.is_file():
         return UNKNOWN
     return Outline(tuple(ReleasedCell(*row) for row in json.loads(file.read_text(encoding="utf-8"))))
+
+
+def read_all_outlines() -> None:
+    """Read the outlines of all lessons, so that processes that are forked need not do it."""
+    for file in _folder().iterdir():
+        read_outline(file.name.removesuffix(".json"))
+
+
+def _folder() -> Traversable:
+    return resources.files("nao_course.exercises") / FOLDER

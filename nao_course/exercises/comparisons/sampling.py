@@ -18,6 +18,7 @@ from nao_course.exercises.comparisons.structure import as_numbers
 from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.running import register_driver
 
+_PREPARED = 260  # seeds, of the largest case
 _REPEATED = 20  # seeds that are used twice, because equal generators must give equal answers
 
 
@@ -60,6 +61,12 @@ def _words(seed: int, count: int, dtype: str) -> npt.NDArray[Any]:
     words = np.random.SeedSequence(seed).generate_state(count, np.dtype(dtype).type)
     words.flags.writeable = False
     return words
+
+
+def prepare_seeds() -> None:
+    """Compute the words of the usual seeds, so that processes that are forked need not do it."""
+    for seed in range(_PREPARED):
+        _generator(seed)
 
 
 @register

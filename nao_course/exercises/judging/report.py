@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from operator import or_
 from typing import Any, Literal
 
 import numpy as np
@@ -285,10 +284,11 @@ def _recognised(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: li
     for mistake in exercise.mistakes:
         if sorted(map(int, mistake.answers)) != wrong:
             continue
-        same = [same_answer(exercise, mistake.answers[str(i)], outcomes[i]) for i in wrong]
-        may_differ = [is_unstable(mistake.answers[str(i)]) for i in wrong]
-        if all(map(or_, same, may_differ)) and sum(same) > most:
-            best, most = [mistake.message], sum(same)
+        answers = [(mistake.answers[str(i)], outcomes[i]) for i in wrong]
+        if all(is_unstable(each[0]) or same_answer(exercise, *each) for each in answers):
+            same = sum(same_answer(exercise, *each) for each in answers)
+            if same > most:
+                best, most = [mistake.message], same
     return best or _recognised_pair(exercise, outcomes, wrong)
 
 

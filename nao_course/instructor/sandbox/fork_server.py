@@ -25,6 +25,8 @@ from typing import Any, NoReturn
 
 import nao_course
 from nao_course.codec import encode
+from nao_course.exercises.comparisons.sampling import prepare_seeds
+from nao_course.exercises.outline import read_all_outlines
 from nao_course.instructor.sandbox.confinement import (
     INSTRUCTORS,
     SCRATCH,
@@ -389,15 +391,19 @@ def students_modules() -> Iterator[str]:
 
 
 def _warm_up(names: Iterable[str]) -> None:
-    """Import modules, with one thread."""
+    """Import modules, with one thread, and prepare what nearly every worker needs."""
     for name in names:
         importlib.import_module(name)
     if "cv2" in sys.modules:
         sys.modules["cv2"].setNumThreads(1)
+        read_all_outlines()
+        prepare_seeds()
     if len(os.listdir("/proc/self/task")) > 1:
         raise OSError("a library has started threads: no process may be forked")
     gc.collect()
     gc.freeze()
+    # A fork copies the table of pages, and the worker's end clears it away: with few large pages both cost less.
+    linux.use_large_pages()
 
 
 def _serve(control: socket.socket, told: Mapping[str, Any], users: list[int]) -> NoReturn:

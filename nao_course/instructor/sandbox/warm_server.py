@@ -18,13 +18,6 @@ from nao_course.instructor.sandbox.layers import Sandbox, SandboxError
 from nao_course.instructor.sandbox.protocol import MOST_REQUEST, ServerEnded, scrubbed_environment
 
 _KEPT = ("HOME", "XDG_CACHE_HOME", "MPLCONFIGDIR")  # of the environment
-# How the server gets its memory. A fork copies the table of its pages, and the worker's end clears it away: with few
-# large pages both cost half the time.
-_MEMORY = {
-    "PYTHONMALLOC": "malloc",
-    "GLIBC_TUNABLES": "glibc.malloc.hugetlb=1",
-    "MALLOC_ARENA_MAX": "2",  # else each thread takes 64 MB of its address space
-}
 _SECONDS_TO_START = 90.0  # all those imports, on a machine that is busy
 _SECONDS_TO_REPLY = 60.0
 _SECONDS_TO_END = 2.0
@@ -163,7 +156,8 @@ class WarmServer:
             "folder": self._folder,
             "warm": self.warm,
         }
-        environment = scrubbed_environment(*_KEPT) | _MEMORY
+        environment = scrubbed_environment(*_KEPT)
+        environment["MALLOC_ARENA_MAX"] = "2"  # else each thread takes 64 MB of its address space
         with theirs:
             self._process = subprocess.Popen(
                 [
