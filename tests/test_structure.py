@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -483,3 +483,35 @@ def test_a_missing_docstring_is_found_out():
     source = f'class A:\n    """Yes."""\n{methods}async def d(): ...\n'
     assert without_docstring(source) == ["A.b", "d"]
     assert without_docstring('class A:\n    """Yes."""\n    @b.setter\n    def b(self, b): ...') == []
+
+
+SECTIONS = re.compile(r"^(Parameters|Returns|Yields|Raises|Attributes)\n-+$", re.MULTILINE)
+
+
+def sections_of_internals(source: str, exported: Container[str]) -> list[str]:
+    """Definitions in whose docstrings, or a method's, sections describe parameters although no package exports them."""
+    return [
+        node.name
+        for node in ast.parse(source).body
+        if isinstance(node, Definition) and node.name not in exported
+        if any(
+            isinstance(each, Definition) and SECTIONS.search(ast.get_docstring(each) or "")
+            for each in ast.walk(node)
+        )
+    ]
+
+
+def test_only_what_a_package_exports_has_docstrings_with_sections():
+    """What no package exports has a sentence: types say the rest, and a sentence keeps shape, unit and frame."""
+    texts = sources()
+    facades = packages() | {"geometry", "graphs", "homework", "slam"}
+    exported = {
+        each.value
+        for name in facades
+        for each in ast.walk(ast.parse(texts[name]))
+        if isinstance(each, ast.Constant)
+    }
+    found = {name: sections_of_internals(source, exported) for name, source in texts.items()}
+    assert {name: internals for name, internals in found.items() if internals} == {}
+    broken = 'class A:\n    def b(self):\n        """Do.\n\n        Returns\n        -------\n        int\n        """'
+    assert sections_of_internals(broken, set()) == ["A"] and sections_of_internals(broken, {"A"}) == []

@@ -40,10 +40,7 @@ _HOW_TO_ASK = (
 def report(grades: Path) -> Iterator[str]:
     """Write GRADES/report.html and all feedback pages; yield what to say about it.
 
-    Raises
-    ------
-    ValueError
-        If there is no journal.
+    Raise a ValueError if there is no journal.
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         yield f"wrote {write_report(journal, grades / 'report.html')}"
@@ -57,10 +54,7 @@ def report(grades: Path) -> Iterator[str]:
 def write_comment_sheets(grades: Path, *, anonymous: bool = False) -> Iterator[str]:
     """Write a page and a table for each exercise with wrong answers; yield what to say about it.
 
-    Raises
-    ------
-    ValueError
-        If there is no journal, or a table has comments that were not read in.
+    Raise a ValueError if there is no journal, or a table has comments that were not read in.
     """
     course = load_course()
     named = partial(student_code, load_secret()) if anonymous else str
@@ -90,10 +84,7 @@ def write_comment_sheets(grades: Path, *, anonymous: bool = False) -> Iterator[s
 def read_comments(grades: Path, file: Path) -> Iterator[str]:
     """Read a table of comments and renew the feedback; yield what to say about it.
 
-    Raises
-    ------
-    ValueError
-        If there is no journal, or something in the file is wrong: then nothing is read in.
+    Raise a ValueError if there is no journal, or if anything in the file is wrong, so that nothing is read in.
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         changed = {
@@ -112,12 +103,8 @@ def read_comments(grades: Path, file: Path) -> Iterator[str]:
 def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
     """Read students' requests, if a folder is given, and yield a line for each open one.
 
-    Raises
-    ------
-    ValueError
-        If there is no journal, or the path is neither a folder nor a zip.
-    typer.Exit
-        With status 1 if a request could not be read.
+    Raise a ValueError if there is no journal, or the path is neither a folder nor a zip; exit with status 1 if a
+    request could not be read.
     """
     course, unread = load_course(), list[str]()
     with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
@@ -160,10 +147,7 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
 def keep_points(grades: Path, student: str, exercise: str, reason: str) -> Iterator[str]:
     """Answer a request without a change of points; yield what to say about it.
 
-    Raises
-    ------
-    ValueError
-        If there is no such open request, or no reason.
+    Raise a ValueError if there is no such open request, or no reason.
     """
     if not reason.strip():
         raise ValueError("say why with --reason: the journal keeps it, and the student reads it")

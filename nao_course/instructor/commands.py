@@ -50,12 +50,8 @@ _SHOWN = 20  # reasons of each kind, and names of those who wait
 def grade_folder(console: Console, path: Path, out: Path, lessons: Sequence[str], machines: Machines) -> None:
     """Grade a folder or zip of submissions into a folder of grades.
 
-    Raises
-    ------
-    ValueError, OSError
-        If there is nothing to grade, or it cannot be kept.
-    typer.Exit
-        With status 1 where a submission has neither a score nor a reason, or something that may be one was left out.
+    Raise a ValueError or OSError if there is nothing to grade, or it cannot be kept; exit with status 1 if a submission
+    has neither a score nor a reason, or something that may be a submission was left out.
     """
     with scratch_folder() as scratch:
         load_secret()  # what is missing is said before there is a journal
@@ -129,16 +125,8 @@ def add_earlier(
 ) -> list[Submission]:
     """Give submissions the earlier work that they use: the student's newest, in the last run that had it.
 
-    Parameters
-    ----------
-    waiting : sequence of Submission
-        To be graded.
-    course : Course
-        Says which lessons use which.
-    journal : Journal
-        Knows the folders of the submissions of all runs; missing or broken ones contribute nothing.
-    scratch : Path
-        A folder of the caller's.
+    The journal has the folders of the submissions of all runs; missing or broken ones contribute nothing. `scratch` is
+    a folder of the caller's.
     """
     needed = {lesson: lessons_used(course, lesson) for lesson in {each.lesson for each in waiting}}
     wanted = sorted({lesson for lessons in needed.values() for lesson in lessons})
@@ -291,12 +279,8 @@ def regrade_student(
 ) -> None:
     """Give a student's exercise other points, or grade the submission again.
 
-    Raises
-    ------
-    ValueError
-        If there is no such result or exercise, points are out of range, or there is no reason for them.
-    typer.Exit
-        With status 1 where the submission could not be graded.
+    Raise a ValueError if there is no such result or exercise, points are out of range, or there is no reason for them;
+    exit with status 1 if the submission could not be graded.
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         result = _result_of(journal, student, lesson)
@@ -375,13 +359,7 @@ def _result_of(journal: Journal, student: str, lesson: str) -> SubmissionResult:
 
 
 def override(result: SubmissionResult, change: str, reason: str) -> Override:
-    """Read EXERCISE=POINTS.
-
-    Raises
-    ------
-    ValueError
-        If there is no such exercise, the points are not in 0..its worth, or no reason is given.
-    """
+    """Read EXERCISE=POINTS; raise a ValueError for an unknown exercise, no reason, or points not in 0..its worth."""
     name, _, number = change.partition("=")
     worth = {each.name: each.points for each in result.exercises}
     earned = {each.name: each.earned for each in result.exercises}
@@ -418,27 +396,10 @@ def export(
     *,
     scale: bool = False,
 ) -> Iterator[str]:
-    """Write grades for another system; yield what to say about it.
+    """Write grades of a lesson, or of all, for another system in one of `exports.FORMATS`; yield what to say about it.
 
-    Parameters
-    ----------
-    grades : Path
-        Folder of the journal.
-    format_ : str
-        One of `exports.FORMATS`.
-    lesson : str
-        Number or name; all where empty.
-    sheet : Path or None
-        A platform's own, to be filled in.
-    column : str
-        Of that sheet, where the points go.
-    scale : bool
-        Whether points are scaled to the maximum in that sheet.
-
-    Raises
-    ------
-    ValueError
-        If there is no such format, journal, lesson or sheet.
+    A platform's own sheet is filled in, with the points in its column, scaled to the sheet's maximum with `scale`.
+    Raise a ValueError if there is no such format, journal, lesson or sheet.
     """
     if exports.check_format(format_) == "gradescope":
         yield from _gradescope(grades, lesson)
@@ -522,21 +483,9 @@ def marks(
 ) -> Iterator[str]:
     """Write the marking sheets, or read one back and renew the feedback; yield what to say about it.
 
-    Parameters
-    ----------
-    grades : Path
-        Folder of the journal.
-    file : Path or None
-        A sheet that is filled in.
-    anonymous : bool
-        Whether the sheets that are written name students by codes.
-    worlds : Path, optional
-        CSV file with the names in the students' copies, by the names in the gradebook.
-
-    Raises
-    ------
-    ValueError
-        If there is no journal, or something in the file is wrong: then nothing is read in.
+    An `anonymous` sheet names students by codes; `worlds` is a CSV file with the names in the students' copies, by the
+    names in the gradebook. Raise a ValueError if there is no journal, or if anything in the file is wrong, so that
+    nothing is read in.
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if file is None:

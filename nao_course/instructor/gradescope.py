@@ -83,26 +83,9 @@ _MODES = {"setup.sh": 0o755, "run_autograder": 0o755, "secret": 0o600}
 def write_autograder(course: Course, lesson: str, secret: bytes, folder: Path) -> Path:
     """Write the zip to upload as a lesson's autograder. It holds the solution: it is for Gradescope only.
 
-    Parameters
-    ----------
-    course : Course
-        Built.
-    lesson : str
-        Number or name.
-    secret : bytes
-        The instructor's secret. The zip gets a secret derived from it, so its hidden cases are different.
-    folder : Path
-        Where the zip is written.
-
-    Returns
-    -------
-    Path
-        autograder_NN_name.zip, the same bytes for the same course and secret.
-
-    Raises
-    ------
-    LessonError
-        If there is no such lesson, or it is not built.
+    It is autograder_NN_name.zip, the same bytes for the same course, which is built, and secret. The zip gets a secret
+    derived from the instructor's, so its hidden cases are different. Raise a LessonError if there is no such lesson, or
+    it is not built.
     """
     (name,) = course.names([lesson])
     return write_whole(folder / f"autograder_{name}.zip", zipped(contents(course, name, secret), _MODES))
@@ -131,13 +114,8 @@ def contents(course: Course, lesson: str, secret: bytes) -> dict[str, bytes]:
 def without_extensions(course_file: str) -> str:
     r"""Return the text of a course.toml without its tables of extensions, which name students.
 
-    Raises
-    ------
-    LessonError
-        If the extensions are written in a way that this cannot remove.
+    Raise a LessonError if the extensions are written in a way that this cannot remove.
 
-    Examples
-    --------
     >>> without_extensions('title = "x"\n[extensions."Ada"]\n01 = 2026-11-27\n[points]\n')
     'title = "x"\n[points]\n'
     """
@@ -160,26 +138,10 @@ def without_extensions(course_file: str) -> str:
 
 
 def grade_submission(root: Path, course: Course, lesson: str) -> Path:
-    """Grade what lies in ROOT/submission and write ROOT/results/results.json.
+    """Grade what is in ROOT/submission and write ROOT/results/results.json; ROOT is /autograder.
 
-    Parameters
-    ----------
-    root : Path
-        /autograder.
-    course : Course
-        The unpacked zip.
-    lesson : str
-        Its name.
-
-    Returns
-    -------
-    Path
-        The results. Where the grader itself fails there are none: Gradescope then tells the instructor.
-
-    Raises
-    ------
-    RuntimeError
-        If the grader itself failed, or a submission could read the solution here.
+    The course is the unpacked zip. If the grader itself fails, there are no results, so that Gradescope informs the
+    instructor. Raise a RuntimeError if it failed, or a submission could read the solution here.
     """
     path = root / "results" / "results.json"
     path.unlink(missing_ok=True)

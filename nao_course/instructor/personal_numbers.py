@@ -27,16 +27,9 @@ Compute = Callable[[PersonalWorld, Mapping[str, Callable[..., Any]]], Numbers]
 class PersonalNumbers:
     """Numbers that a student's answer to a written question must contain, if the question asks for any.
 
-    They are computed with the solution and kept in a file, because some take seconds for each student.
-
-    Parameters
-    ----------
-    course : Course
-        The course. Lessons with such questions must be built.
-    path : Path
-        File that keeps the numbers. It may be deleted.
-    names : mapping of str to str, optional
-        Names in the students' copies of the course, where they differ from the names in the gradebook.
+    They are computed with the solution and kept in a file, because some take seconds for each student. The file at
+    `path` may be deleted; lessons with such questions must be built. `names` are the names in the students' copies of
+    the course, where they differ from the names in the gradebook.
     """
 
     def __init__(self, course: Course, path: Path, names: Mapping[str, str] | None = None) -> None:
@@ -110,9 +103,6 @@ class PersonalNumbers:
 def read_worlds(path: Path) -> dict[str, str]:
     """Read the names in the students' copies from a CSV file with the columns "student" and "world".
 
-    Raises
-    ------
-    TableError
-        If it is no such file.
+    Raise a TableError if it is not such a file.
     """
     return {row["student"].strip(): row["world"] for row in read_table(path, ("student", "world"))}

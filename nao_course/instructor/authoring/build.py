@@ -36,16 +36,8 @@ _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)|\[[^\
 class Built:
     """What a build made, not yet written.
 
-    Parameters
-    ----------
-    course : Course
-        Of which course.
-    files : mapping of Path to bytes
-        Contents by the path under the course's root.
-    stale : tuple of Path
-        Generated files of lessons that no longer exist.
-    warnings : tuple of str
-        What an author may want to add to a declaration, one line each, with its file.
+    `files` are contents by the path under the course's root, `stale` are generated files of lessons that no longer
+    exist, and `warnings` say what an author may want to add to a declaration, one line each, with its file.
     """
 
     course: Course
@@ -98,33 +90,10 @@ def build(
     """Build lessons in memory and a temporary folder; nothing of the course changes until the result is written.
 
     Only proofs of declarations are kept at once, in the course's folder build/, also where something else is wrong.
-
-    Parameters
-    ----------
-    course : Course
-        The course.
-    wanted : sequence of str
-        Numbers or names of lessons; all by default.
-    texts : mapping of str to str, optional
-        Texts that replace the files' texts, by the lesson's name; they become part of the result.
-    execute : bool
-        Whether the solution notebooks are run; else they have no outputs.
-    solutions : bool
-        Whether the solution notebooks are part of the result.
-    prove : bool
-        Whether declarations are proven again that are proven and have not changed.
-    tell : callable
-        Called with a lesson's name and what is done to it.
-
-    Returns
-    -------
-    Built
-        To be compared or written.
-
-    Raises
-    ------
-    LessonError
-        If something is wrong with a lesson: one line for each thing, with file and cell.
+    `texts` replace the files' texts, by the lesson's name, and become part of the result. Without `execute`, the
+    solution notebooks have no outputs; with `prove`, declarations are proven again although they have not changed.
+    `tell` is called with a lesson's name and what is done to it. A LessonError has one line for each thing that is
+    wrong, with file and cell.
     """
     texts = texts or {}
     names = course.names(wanted)
@@ -255,17 +224,9 @@ def _with_place(notebook: NotebookNode, problem: str) -> str:
 
 
 def student_copy(solved: NotebookNode) -> NotebookNode:
-    """Make the student copy of a lesson with nbgrader's own preprocessors.
+    """Make the student copy of a lesson with nbgrader's own preprocessors; the solved notebook stays as it was.
 
-    Parameters
-    ----------
-    solved : NotebookNode
-        The lesson with its solutions; it stays as it was.
-
-    Returns
-    -------
-    NotebookNode
-        Without solutions and outputs; what a student may not change is locked, and its checksum noted.
+    The copy has no solutions and outputs; what a student may not change is locked, and its checksum is noted.
     """
     notebook = nbformat.from_dict(solved)
     resources: dict[str, Any] = {}
@@ -276,22 +237,9 @@ def student_copy(solved: NotebookNode) -> NotebookNode:
 
 
 def payoff_files(ran: NotebookNode) -> dict[Path, bytes]:
-    """Return the picture that a lesson opens with, for both notebooks: the picture that its payoff cell drew.
+    """Return the picture that a lesson opens with, drawn by its payoff cell, for both notebooks; none without one.
 
-    Parameters
-    ----------
-    ran : NotebookNode
-        The lesson with its solutions and outputs.
-
-    Returns
-    -------
-    dict of Path to bytes
-        Empty where no cell is the payoff.
-
-    Raises
-    ------
-    LessonError
-        If the cell shows no picture, or the text does not open with it.
+    Raise a LessonError if the cell shows no picture, or the text does not open with it.
     """
     name = ran.metadata.nao_course.lesson
     for ordinal, cell in lesson_text.code_cells(ran, "payoff"):
@@ -323,10 +271,7 @@ def payoff_image(name: str) -> str:
 def _images(course: Course, name: str, notebook: NotebookNode, *, to_come: bool) -> dict[Path, bytes]:
     """Find the pictures of a text for the folder of the student copies; with `to_come` also pictures not drawn yet.
 
-    Raises
-    ------
-    LessonError
-        If one is missing or stands elsewhere.
+    Raise a LessonError if one is missing or is in another folder.
     """
     found: dict[Path, bytes] = {}
     for ordinal, cell in enumerate(notebook.cells):
@@ -373,10 +318,7 @@ def _stale(course: Course) -> tuple[Path, ...]:
 def text_from_notebook(course: Course, name: str) -> str:
     """Return the text of a lesson whose solution notebook was edited.
 
-    Raises
-    ------
-    LessonError
-        If there is nothing to bring back, the text was edited too, or it does not fit into text.
+    Raise a LessonError if the notebook was not edited, the text was edited too, or the edit does not fit into text.
     """
     text_edited, notebook_edited = edited(course, name)
     file = f"solutions/{name}.ipynb"

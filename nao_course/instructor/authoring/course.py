@@ -24,20 +24,10 @@ class LessonError(ValueError):
 
 @dataclass(frozen=True)
 class Course:
-    """A checkout of the course, as its course.toml describes it.
+    """A checkout of the course, as the course.toml in its root describes it.
 
-    Parameters
-    ----------
-    root : Path
-        The folder of course.toml.
-    title, version : str
-        What releases are called and stamped with.
-    chosen : tuple of str
-        Numbers of the lessons that are released; all where there are none.
-    points : mapping of str to float
-        Points by the exercise's name, if they differ from the declaration's points.
-    late_policy : LatePolicy
-        Deadlines, extensions, and what late submissions lose. It is no part of what a submission is graded with.
+    `chosen` are the numbers of the lessons that are released, all if it is empty. `points`, by the exercise's name,
+    differ from the declaration's. A submission is graded without the `late_policy`.
     """
 
     root: Path
@@ -55,10 +45,7 @@ class Course:
     def names(self, wanted: Sequence[str] = ()) -> list[str]:
         """Return the names of lessons, given by number or name; of all by default.
 
-        Raises
-        ------
-        LessonError
-            If there is no such lesson.
+        Raise a LessonError if there is no such lesson.
         """
         there = sorted(path.stem for path in self.solutions.glob(f"{lesson_names.PATTERN}.md"))
         meant = {word: lesson_names.meant(word, there) for word in wanted}
@@ -92,10 +79,7 @@ class Course:
     def plan(self, name: str) -> LessonPlan:
         """Load a lesson's plan, with this course's points; a lesson without a declaration has no exercises.
 
-        Raises
-        ------
-        PlanError
-            If the declaration cannot be run, or its values are not what they should be.
+        Raise a PlanError if the declaration cannot be run, or its values are not allowed.
         """
         path = self.declaration(name)
         plan = load_plan(path) if path.exists() else LessonPlan(())
@@ -116,10 +100,7 @@ def _shown(name: str) -> str:
 def load_course(folder: Path | None = None) -> Course:
     """Read the course.toml of a folder or of the nearest one above it.
 
-    Raises
-    ------
-    LessonError
-        If there is none, or it is not understood.
+    Raise a LessonError if there is none, or it is not understood.
     """
     start = (folder or Path.cwd()).resolve()
     for root in (start, *start.parents):

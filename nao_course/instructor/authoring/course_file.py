@@ -26,18 +26,9 @@ class CourseFileError(ValueError):
 
 @dataclass(frozen=True)
 class CourseFile:
-    """What a course.toml says.
+    """The content of a course.toml: the releases' title and version, numbers of the lessons (all if empty), points.
 
-    Parameters
-    ----------
-    title, version : str
-        Name and version of the releases.
-    lessons : tuple of str
-        Numbers of the lessons that are released; all if empty.
-    points : mapping of str to float
-        Points by exercise that differ from the declarations.
-    late_policy : LatePolicy
-        Deadlines, extensions and deductions.
+    The points, by exercise, differ from the declarations'; the late policy has deadlines, extensions and deductions.
     """
 
     title: str
@@ -48,13 +39,7 @@ class CourseFile:
 
 
 def read_course_file(root: Path) -> CourseFile:
-    """Read the course.toml of a folder.
-
-    Raises
-    ------
-    CourseFileError
-        If it is not TOML, or a key or value in it is not allowed.
-    """
+    """Read the course.toml of a folder; raise a CourseFileError if it is not TOML, or a key or value is not allowed."""
     try:
         table = tomllib.loads((root / NAME).read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

@@ -124,17 +124,9 @@ _CASE: _Rules = {
 
 
 def declaration_problems(plan: LessonPlan) -> Iterator[str]:
-    """Say what is wrong with the values of a plan; none of its functions is called.
+    """Yield what is wrong with a plan's values, of any types: exercise or question, value, and what is allowed.
 
-    Parameters
-    ----------
-    plan : LessonPlan
-        As an author wrote it: of any types.
-
-    Yields
-    ------
-    str
-        One problem: the exercise or question, the given value, and what is allowed.
+    None of its functions is called.
     """
     kinds = (("exercises", Exercise), ("questions", Question), ("written", Written))
     for field, kind in kinds:
@@ -157,22 +149,7 @@ def declaration_problems(plan: LessonPlan) -> Iterator[str]:
 
 
 def case_problems(exercise: Exercise, cases: Any, kind: str) -> Iterator[str]:
-    """Say what is wrong with the cases that an exercise's function made.
-
-    Parameters
-    ----------
-    exercise : Exercise
-        Whose.
-    cases : object
-        The value that its `public` or `hidden` returned.
-    kind : str
-        "public" or "hidden".
-
-    Yields
-    ------
-    str
-        One thing that is wrong.
-    """
+    """Yield what is wrong with the cases that an exercise's `public` or `hidden` (the kind) returned."""
     if not _are(Case)(cases):
         yield f"{exercise.name}: its {kind} cases must be a list of Case, got {_shown(cases)}"
     elif not cases:

@@ -51,24 +51,10 @@ def execute_all(
 
 
 def execute(solved: NotebookNode, root: Path) -> NotebookNode:
-    """Run a lesson from top to bottom; its outputs are the same at each run on one machine.
+    """Return a lesson with outputs, run from top to bottom in `solutions` under the root of the library it imports.
 
-    Parameters
-    ----------
-    solved : NotebookNode
-        The lesson; it stays as it was.
-    root : Path
-        Folder of the library that it imports; it runs in `solutions` there.
-
-    Returns
-    -------
-    NotebookNode
-        With outputs, and without what differs from run to run.
-
-    Raises
-    ------
-    LessonError
-        If a cell fails, warns, takes too long, or shows what will differ next time.
+    The outputs are the same at each run on one machine: what differs from run to run is left out. A LessonError is
+    raised if a cell fails, warns, takes too long, or shows what will differ next time.
     """
     notebook = nbformat.from_dict(solved)
     file = f"{solved.metadata.nao_course.lesson}.md"

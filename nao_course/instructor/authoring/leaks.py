@@ -28,15 +28,7 @@ _UNSAID = {"annotation", "ctx", "decorator_list", "kind", "name", "returns", "ty
 
 @dataclass(frozen=True)
 class Leak:
-    """A piece of public code that is also part of a secret.
-
-    Parameters
-    ----------
-    where : str
-        Where a student finds it.
-    secret : str
-        What it gives away.
-    """
+    """A piece of public code, where a student finds it, that is also part of a secret."""
 
     where: str
     secret: str
@@ -47,20 +39,7 @@ class Leak:
 
 
 def find_leaks(public: Mapping[str, bytes], secrets: Mapping[str, str]) -> list[Leak]:
-    """Look for secrets in files.
-
-    Parameters
-    ----------
-    public : mapping of str to bytes
-        Contents of files by their names.
-    secrets : mapping of str to str
-        What each fingerprint is of; from `fingerprints`.
-
-    Returns
-    -------
-    list of Leak
-        Each place once.
-    """
+    """Return each place in public files, by their names, with the secrets of these fingerprints."""
     found: dict[str, Leak] = {}
     for file, content in public.items():
         for fingerprint, place in fingerprints_in(file, content):
@@ -97,19 +76,8 @@ def fingerprints(source: str, lines: Container[int] | None = None) -> Iterator[t
     """Describe each piece of code so that names of variables, docstrings, comments and layout do not matter.
 
     A piece is as many statements in a row as make `SMALLEST` nodes, from each statement on. What a statement does with
-    its value (returns it, assigns it) does not matter either.
-
-    Parameters
-    ----------
-    source : str
-        Python; what does not parse has no fingerprints.
-    lines : container of int, optional
-        Lines in which a statement begins that counts; all by default.
-
-    Yields
-    ------
-    str, int
-        The description, and the line in which the piece begins.
+    its value (returns it, assigns it) does not matter either. Yield descriptions with the line in which their piece
+    begins, if it is one of `lines` (all by default). Python that does not parse has no fingerprints.
     """
     try:
         tree = ast.parse(source)

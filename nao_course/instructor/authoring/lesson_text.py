@@ -44,24 +44,10 @@ WRITTEN = "written"  # the option of a text cell that holds the answer to a writ
 
 
 def read_lesson(path: Path, text: str | None = None) -> NotebookNode:
-    """Make a lesson's notebook from its text: with its solutions, without outputs.
+    """Make a lesson's notebook, with its solutions and without outputs, from its text, by default the file's.
 
-    Parameters
-    ----------
-    path : Path
-        Such as solutions/01_hsl_filtering.md.
-    text : str, optional
-        The text, where it is not the file's.
-
-    Returns
-    -------
-    NotebookNode
-        The options of its cells as nbgrader's metadata; cell ids made from lesson and grade_id or ordinal.
-
-    Raises
-    ------
-    LessonError
-        If a code cell's options are not understood, or the header holds more than this course's does.
+    The options of its cells are nbgrader's metadata, and cell ids are made from lesson and grade_id or ordinal. A
+    LessonError is raised if a code cell's options are not understood, or the header differs from this course's.
     """
     notebook = jupytext.reads(path.read_text(encoding="utf-8") if text is None else text, fmt="md:myst")
     problems = [
@@ -187,21 +173,9 @@ def place(file: str, notebook: NotebookNode, ordinal: int) -> str:
 def lesson_problems(
     notebook: NotebookNode, declared: Collection[str], written: Collection[str] = ()
 ) -> Iterator[str]:
-    """Say what is wrong with a lesson, where in it, and what to do.
+    """Yield what is wrong with a lesson from `read_lesson`, where in it, and what to do.
 
-    Parameters
-    ----------
-    notebook : NotebookNode
-        From `read_lesson`.
-    declared : collection of str
-        Names of the exercises that the lesson's plan declares.
-    written : collection of str
-        Names of its written questions.
-
-    Yields
-    ------
-    str
-        One thing that is wrong.
+    `declared` are the exercises, and `written` the questions, that its plan declares.
     """
     name = notebook.metadata.nao_course.lesson
     file = f"{name}.md"
@@ -260,23 +234,10 @@ def _cell_problems(cell: NotebookNode, tree: ast.Module, declared: Collection[st
 
 
 def write_lesson(notebook: NotebookNode) -> str:
-    """Turn a lesson's notebook, as it was edited in JupyterLab, back into text.
+    """Turn a notebook that was edited in JupyterLab into MyST text from which `read_lesson` makes the same cells.
 
-    Parameters
-    ----------
-    notebook : NotebookNode
-        A solution notebook; its outputs do not matter.
-
-    Returns
-    -------
-    str
-        MyST text from which `read_lesson` makes the same cells.
-
-    Raises
-    ------
-    LessonError
-        If a cell holds something that text cannot: attachments, metadata of nbgrader's that the course has no word for,
-        lines that MyST would read as something else.
+    Outputs do not matter. A LessonError is raised for attachments, metadata of nbgrader's that the course has no word
+    for, and lines that MyST would read as something else.
     """
     file = f"{metadata(notebook, 'nao_course').get('lesson', 'lesson')}.ipynb"
     plain = nbformat.v4.new_notebook(metadata=KERNEL | {"jupytext": {"default_lexer": "ipython3"}})
@@ -332,13 +293,7 @@ def _options(cell: NotebookNode) -> dict[str, Any]:
 
 
 def read_notebook(path: Path) -> NotebookNode:
-    """Read a notebook.
-
-    Raises
-    ------
-    LessonError
-        If the file is not a notebook.
-    """
+    """Read a notebook; raise a LessonError if the file is not one."""
     try:
         return nbformat.read(path, as_version=4)
     except (ValueError, KeyError, AttributeError, OSError) as error:

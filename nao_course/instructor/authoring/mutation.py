@@ -74,17 +74,7 @@ _DROPPED = (
 
 @dataclass(frozen=True)
 class Mutant:
-    """A changed solution of an exercise.
-
-    Parameters
-    ----------
-    exercise : str
-        Whose.
-    operator : str
-        What was changed.
-    original, source : str
-        Before and after, without docstring and annotations.
-    """
+    """A changed solution of an exercise: the change, and the source, without docstring and annotations."""
 
     exercise: str
     operator: str
@@ -107,16 +97,9 @@ class Mutant:
 
 @dataclass(frozen=True)
 class Trial:
-    """What became of a mutant.
+    """The outcome of one mutant: whether the hidden cases and the public checks distinguish it from the solution.
 
-    Parameters
-    ----------
-    mutant : Mutant
-        Which.
-    hidden, public : bool
-        Whether the hidden cases and the public checks distinguish it from the solution; neither does if it is right.
-    reason : str
-        Why it is right, where the declaration says so and no hidden case speaks against it.
+    Neither does if it is right; `reason` says why, if the declaration says so and no hidden case contradicts it.
     """
 
     mutant: Mutant
@@ -127,15 +110,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class MutationReport:
-    """What a lesson's tests notice.
-
-    Parameters
-    ----------
-    lesson : str
-        Its name.
-    trials : tuple of Trial
-        One for each mutant.
-    """
+    """What a lesson's tests notice."""
 
     lesson: str
     trials: tuple[Trial, ...]
@@ -161,24 +136,7 @@ class MutationReport:
 def mutate(
     lesson: str, jobs: int = 2, solutions: Path = SOLUTIONS, seeds: Sequence[int] = SEEDS
 ) -> MutationReport:
-    """Run the mutants of a lesson's solution against its tests.
-
-    Parameters
-    ----------
-    lesson : str
-        Number or name.
-    jobs : int
-        Processes at a time.
-    solutions : Path
-        Folder of the lessons.
-    seeds : sequence of int
-        Of the hidden cases.
-
-    Returns
-    -------
-    MutationReport
-        What was caught, and what was not.
-    """
+    """Run the mutants of a solution against the tests, in `jobs` processes, with hidden cases of these seeds."""
     name = lesson_name(lesson, solutions)
     plan, functions = load_plan(solutions / "exercises" / f"{name}.py"), reference(name, solutions)
     notebook = solution_notebook(name, solutions)
@@ -258,10 +216,7 @@ def show(report: MutationReport, console: Console | None = None) -> None:
 def main(lesson: str, jobs: int = 2) -> int:
     """Run `nao-course mutate`; return its exit status.
 
-    Raises
-    ------
-    LessonError
-        If there is no such lesson, or it is not what was built.
+    Raise a LessonError if there is no such lesson, or it is not what was built.
     """
     course = load_course()
     refuse_what_is_not_built(course, course.names([lesson]))
@@ -304,20 +259,7 @@ def _passes_in_two_trials(worker: Worker, exercise: Exercise, cases: list[Case])
 
 
 def make_mutants(exercise: str, source: str) -> list[Mutant]:
-    """Make all mutants of a function or class, each once.
-
-    Parameters
-    ----------
-    exercise : str
-        Its name.
-    source : str
-        Its definition.
-
-    Returns
-    -------
-    list of Mutant
-        No two alike, and none the same as the original.
-    """
+    """Make all mutants of a function or class, each once and all different from the original."""
     tree = _bare(ast.parse(source))
     original = ast.unparse(tree)
     seen = {original}

@@ -45,13 +45,7 @@ class PlanError(ValueError):
 
 
 def lesson_name(lesson: str, solutions: Path = SOLUTIONS) -> str:
-    """Return a lesson's whole name for its number or name: "01" -> "01_hsl_filtering".
-
-    Raises
-    ------
-    PlanError
-        If no lesson in `solutions` is meant, or several are.
-    """
+    """Return a lesson's whole name for its number or name, "01" -> "01_hsl_filtering", or raise a PlanError."""
     names = sorted(path.stem for path in (solutions / "exercises").glob(f"{lesson_names.PATTERN}.py"))
     meant = lesson_names.meant(lesson, names)
     if len(meant) != 1:
@@ -60,24 +54,9 @@ def lesson_name(lesson: str, solutions: Path = SOLUTIONS) -> str:
 
 
 def load_plan(path: str | Path) -> LessonPlan:
-    """Load the PLAN of a declaration file.
+    """Load the PLAN of a declaration file; its cases are not made yet, see `proving.plan_checks.check_plan`.
 
-    Parameters
-    ----------
-    path : str or Path
-        Such as solutions/exercises/01_hsl_filtering.py.
-
-    Returns
-    -------
-    LessonPlan
-        Of values that are what they should be; its cases are not made yet, see `proving.plan_checks.check_plan`.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    PlanError
-        If it cannot be run, declares no PLAN, or declares wrong values: one line for each problem.
+    Raise a PlanError if it cannot be run, declares no PLAN, or declares wrong values: one line for each problem.
     """
     file = Path(path)
     if not file.is_file():
@@ -109,13 +88,7 @@ def _not_yet(use: str) -> Any:
 
 
 def solution_notebook(lesson: str, solutions: Path = SOLUTIONS) -> Path:
-    """Return the path of a lesson's solution notebook.
-
-    Raises
-    ------
-    FileNotFoundError
-        If it has not been built.
-    """
+    """Return the path of a lesson's solution notebook; raise a FileNotFoundError if it has not been built."""
     path = solutions / f"{lesson_name(lesson, solutions)}.ipynb"
     if not path.is_file():
         raise FileNotFoundError(f"there is no {path}: run `nao-course build` first")
@@ -123,31 +96,12 @@ def solution_notebook(lesson: str, solutions: Path = SOLUTIONS) -> Path:
 
 
 def reference(lesson: str, solutions: Path = SOLUTIONS) -> Definitions:
-    """Load a lesson's solution: what its solution notebook defines.
-
-    Parameters
-    ----------
-    lesson : str
-        Number or name.
-    solutions : Path
-        Folder of the lessons.
-
-    Returns
-    -------
-    Definitions
-        The reference functions by name.
-    """
+    """Load a lesson's solution: the functions that its solution notebook defines, by name."""
     return load_solution(solution_notebook(lesson, solutions))
 
 
 def load_solution(path: Path) -> Definitions:
-    """Load a solution notebook; functions of earlier lessons come from the solution notebooks beside it.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    """
+    """Load a solution notebook; functions of earlier lessons come from the solution notebooks beside it."""
     resolve = solutions_beside(path)
 
     def earlier(use: str) -> Any:
@@ -177,10 +131,7 @@ def solutions_beside(notebook: Path) -> Callable[[str], Any]:
 def earlier_notebook(notebook: Path, lesson: str) -> Path:
     """Return the path of another lesson's notebook, given by its number, in the folder of one.
 
-    Raises
-    ------
-    FileNotFoundError
-        If there is not one.
+    Raise a FileNotFoundError unless there is exactly one.
     """
     found = sorted(notebook.parent.glob(f"{lesson_names.PATTERN}.ipynb"))
     paths = [path for path in found if lesson_names.number_of(path.stem) == lesson]
@@ -192,26 +143,10 @@ def earlier_notebook(notebook: Path, lesson: str) -> Path:
 
 
 def with_answers(exercise: Exercise, cases: Sequence[Case], function: Callable[..., Any]) -> list[Case]:
-    """Fill in what is expected: the reference's answers, except for `Between`, whose cases contain an interval.
+    """Return cases with the reference's answers, except for `Between`, whose cases contain an interval.
 
-    Parameters
-    ----------
-    exercise : Exercise
-        Whose cases they are.
-    cases : sequence of Case
-        Without expected answers.
-    function : callable
-        The reference.
-
-    Returns
-    -------
-    list of Case
-        With them, as they come out of the codec: plain and their own.
-
-    Raises
-    ------
-    PlanError
-        If the reference raises, is wrong by its own comparison, or answers what cannot be sent.
+    The answers are copied through the codec, so they share no memory with the reference. Raise a PlanError if the
+    reference raises, is wrong by its own comparison, or answers what cannot be sent.
     """
     solved = []
     for number, case in enumerate(cases, start=1):
@@ -253,24 +188,9 @@ def call_in_time(exercise: Exercise, function: Callable[..., Any], case: Case) -
 
 
 def made_cases(exercise: Exercise, seed: int | None = None) -> list[Case]:
-    """Make an exercise's public cases, or draw hidden ones.
+    """Make an exercise's public cases without answers, or with a seed draw hidden ones.
 
-    Parameters
-    ----------
-    exercise : Exercise
-        Whose.
-    seed : int, optional
-        Of the hidden cases; without one, the public cases are made.
-
-    Returns
-    -------
-    list of Case
-        Without answers.
-
-    Raises
-    ------
-    PlanError
-        If the author's function raises, or returns anything but cases.
+    Raise a PlanError if the author's function raises, or returns anything but cases.
     """
     kind = "public" if seed is None else "hidden"
     try:
@@ -291,10 +211,7 @@ def hidden_cases(exercise: Exercise, function: Callable[..., Any], seed: int) ->
 def with_mistakes(plan: LessonPlan, reference: Mapping[str, Callable[..., Any]]) -> LessonPlan:
     """Return a plan whose mistakes can be called: changes of the solution are applied to it.
 
-    Raises
-    ------
-    PlanError
-        One line for each change that does not fit the solution.
+    Raise a PlanError with one line for each change that does not fit the solution.
     """
     try:
         return with_functions(plan, reference)
@@ -305,28 +222,10 @@ def with_mistakes(plan: LessonPlan, reference: Mapping[str, Callable[..., Any]])
 def publish(
     lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[..., Any]], *, pairs: bool = True
 ) -> PublicLesson:
-    """Make what a student's copy carries of a plan: inputs and outputs, no code.
+    """Make the part of a plan that a student's copy contains: inputs and outputs, no code, ready for `checking.pack`.
 
-    Parameters
-    ----------
-    lesson : str
-        Such as "01_hsl_filtering"; its number becomes the exercises'.
-    plan : LessonPlan
-        The declaration.
-    reference : mapping of str to callable
-        The solution's functions.
-    pairs : bool
-        Whether to look for pairs of mistakes that can be recognised, which takes most of the time.
-
-    Returns
-    -------
-    PublicLesson
-        Ready for `checking.pack`.
-
-    Raises
-    ------
-    PlanError
-        If the reference lacks an exercise or fails in one.
+    The number of the lesson becomes the exercises'. `pairs` says whether to look for pairs of mistakes that can be
+    recognised, which takes most of the time. Raise a PlanError if the reference lacks an exercise or fails in one.
     """
     plan = with_mistakes(plan, reference)
     exercises = [
@@ -367,23 +266,9 @@ def exercise_number(lesson: str, number: int | str) -> str:
 def publish_exercise(
     number: str, exercise: Exercise, function: Callable[..., Any], *, pairs: bool = True
 ) -> PublicExercise:
-    """Make what a student's copy carries of one exercise.
+    """Make the part of an exercise, such as "1.3", that a student's copy contains, with every mistake's answers.
 
-    Parameters
-    ----------
-    number : str
-        In the lesson: "1.3".
-    exercise : Exercise
-        The declaration.
-    function : callable
-        The reference.
-    pairs : bool
-        Whether to look for pairs of mistakes.
-
-    Returns
-    -------
-    PublicExercise
-        With the answers of every mistake to the public cases.
+    `pairs` says whether to look for pairs of mistakes.
     """
     with watching(keep=True) as calls:
         cases = with_answers(exercise, made_cases(exercise), function)
@@ -438,13 +323,7 @@ def _recognisable_pairs(
 
 
 def reference_of(reference: Mapping[str, Callable[..., Any]], exercise: Exercise) -> Callable[..., Any]:
-    """Return an exercise's reference function.
-
-    Raises
-    ------
-    PlanError
-        If the solution lacks it.
-    """
+    """Return an exercise's reference function; raise a PlanError if the solution lacks it."""
     if exercise.name not in reference:
         raise PlanError(f"{exercise.name}: the solution notebook does not define it")
     return reference[exercise.name]

@@ -43,31 +43,12 @@ def make_release(
     prove: bool = False,
     students: Sequence[str] = (),
 ) -> Path:
-    """Write the zip of a release, and beside it settings for those who use nbgrader.
+    """Write the zip of a release into a folder, and beside it settings for nbgrader; return the zip's path.
 
-    Parameters
-    ----------
-    course : Course
-        Its chosen lessons must be built.
-    out : Path
-        Folder for the zip.
-    tell : callable
-        Called with a lesson's name and what is done to it.
-    prove : bool
-        Whether declarations are proven again that are proven and have not changed.
-    students : sequence of str
-        Names of students, each of whom gets an archive of their own in the folder ``students``. It contains the name,
-        from which the student's personal data follow.
-
-    Returns
-    -------
-    Path
-        The zip without a name.
-
-    Raises
-    ------
-    LessonError
-        If a lesson is not built or not finished, or a student would find part of a solution.
+    The course's chosen lessons must be built; with `prove`, declarations are proven again although they have not
+    changed. Each student in `students` gets an archive of their own in the folder ``students``, with the name, from
+    which the student's personal data follow. Raise a LessonError if a lesson is not built or not finished, or a student
+    would find part of a solution.
     """
     names = course.names(course.chosen)
     refuse_what_is_not_built(course, names, executed=True)
@@ -94,10 +75,8 @@ def make_release(
 def read_students(path: Path) -> list[str]:
     """Read the names of a class as the gradebook has them: from lines, a column "student", or a platform's sheet.
 
-    Raises
-    ------
-    LessonError
-        If the file cannot be read, contains no name, or two names would be the same file or personal world.
+    Raise a LessonError if the file cannot be read, contains no name, or two names would be the same file or personal
+    world.
     """
     try:
         names = [_in_the_gradebook(each) for each in read_people(path)]
@@ -155,15 +134,7 @@ def library_files(root: Path, kinds: Collection[str]) -> list[Path]:
 
 
 def contents(course: Course, names: list[str]) -> dict[str, bytes]:
-    """Gather a release's files by their path in it.
-
-    Parameters
-    ----------
-    course : Course
-        The course.
-    names : list of str
-        Names of its lessons.
-    """
+    """Return the files of a release of the named lessons by their paths in it."""
     root = course.root
     files = {name: (root / name).read_bytes() for name in AS_THEY_ARE}
     files["README.md"] = (root / README).read_bytes()
@@ -196,19 +167,9 @@ def _stamp(course: Course, files: Mapping[str, bytes]) -> bytes:
 
 
 def release_problems(course: Course, files: Mapping[str, bytes]) -> list[str]:
-    """Say what a student should not get.
+    """Return a line, with its place, for each part of a release's files that a student should not get.
 
-    Parameters
-    ----------
-    course : Course
-        Contains the lessons whose solutions, hidden cases, mistakes and alternatives are secret.
-    files : mapping of str to bytes
-        A release's files.
-
-    Returns
-    -------
-    list of str
-        One line for each thing, with its place.
+    The solutions, hidden cases, mistakes and alternatives of the course's lessons are secret.
     """
     problems = [str(leak) for leak in find_leaks(files, secrets(course))]
     answers = model_answers(course)

@@ -57,21 +57,10 @@ def edited(course: Course, name: str) -> tuple[bool, bool]:
 
 
 def refuse_what_is_not_built(course: Course, names: Sequence[str], *, executed: bool = False) -> None:
-    """Refuse to go on with lessons that are not what was built: nobody would know which of the two counts.
+    """Raise a LessonError with a line for each file of these lessons that was edited since it was built.
 
-    Parameters
-    ----------
-    course : Course
-        The course.
-    names : sequence of str
-        Whole names of lessons.
-    executed : bool
-        Whether lessons that were built without being run are refused, too.
-
-    Raises
-    ------
-    LessonError
-        If there is one: a line for each file that was edited.
+    Nobody would know whether the file or what was built counts. With `executed`, lessons that were built without being
+    run are refused, too.
     """
     problems = [problem for name in names for problem in _not_built(course, name, executed)]
     if problems:
@@ -99,13 +88,7 @@ def _not_built(course: Course, name: str, executed: bool) -> Iterator[str]:
 
 
 def refuse_to_lose_edits(course: Course, names: Sequence[str]) -> None:
-    """Refuse to build over solution notebooks that were edited in JupyterLab.
-
-    Raises
-    ------
-    LessonError
-        If there is one.
-    """
+    """Raise a LessonError instead of building over solution notebooks that were edited in JupyterLab."""
     lost = [name for name in names if edited(course, name)[1]]
     if lost:
         raise LessonError("\n".join(map(_edited_notebook, lost)))
@@ -138,13 +121,7 @@ def _fingerprint(notebook: Mapping[str, Any]) -> str:
 
 
 def _read(path: Path) -> tuple[dict[str, Any], str]:
-    """Read what a solution notebook carries, and the fingerprint that it has now.
-
-    Raises
-    ------
-    LessonError
-        If it is no notebook.
-    """
+    """Read a solution notebook's stamp and its present fingerprint; raise a LessonError if it is not a notebook."""
     try:
         notebook = json.loads(path.read_bytes())
         return metadata(notebook, "nao_course"), _fingerprint(notebook)

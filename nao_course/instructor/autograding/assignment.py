@@ -34,22 +34,10 @@ RULES = "5"  # how it is graded; another number has everything graded again
 class Task:
     """An exercise as it is graded; no code, so that it can be sent to another process.
 
-    Parameters
-    ----------
-    public : PublicExercise
-        What a student's check knows.
-    hidden : tuple of Case
-        With what is expected.
-    second : tuple of Case
-        The same, drawn anew: for who gets a second try, and may remember the first.
-    uses : tuple of str
-        Earlier exercises that it calls.
-    with_reference : float
-        Fraction of the points where it is right with the reference's `uses` only.
-    mistakes : mapping of str to str
-        Names of the mistakes by their messages.
-    parts : mapping of str to float
-        Weights of the parts that earn points of their own; empty if all hidden cases count together.
+    `hidden` has the hidden cases with expected answers, and `second` the same drawn anew, for a student who gets a
+    second try and may remember the first. `with_reference` is the fraction of the points for an exercise that is right
+    only with the reference's `uses`, the earlier exercises that it calls. `mistakes` are names by their messages, and
+    `parts` weights of the parts that earn points of their own, empty if all hidden cases count together.
     """
 
     public: PublicExercise
@@ -76,17 +64,7 @@ class Task:
 
 @dataclass(frozen=True)
 class EarlierLesson:
-    """An earlier lesson whose functions an assignment uses.
-
-    Parameters
-    ----------
-    lesson : str
-        Its name.
-    reference : Path
-        Its solution notebook.
-    setup : str
-        Its released set-up cell.
-    """
+    """An earlier lesson whose functions an assignment uses: its solution notebook, and its released set-up cell."""
 
     lesson: str
     reference: Path
@@ -97,12 +75,7 @@ class EarlierLesson:
 class UsedClass:
     """A class of the reference that other exercises use: its objects can be made only where its source is.
 
-    Parameters
-    ----------
-    source : str
-        The cell that defines it.
-    uses : tuple of str
-        What it uses itself.
+    The source is the cell that defines it.
     """
 
     source: str
@@ -111,30 +84,12 @@ class UsedClass:
 
 @dataclass(frozen=True)
 class Assignment:
-    """A lesson as it is graded.
+    """A lesson, such as "01_hsl_filtering", as it is graded, with exercises and questions in the lesson's order.
 
-    Parameters
-    ----------
-    lesson : str
-        Such as "01_hsl_filtering".
-    tasks : tuple of Task
-        Its exercises, in the lesson's order.
-    written : tuple of Written
-        Its written questions.
-    reference : Path
-        The solution notebook.
-    setup : str
-        The released set-up cell.
-    hash : str
-        Of all that a score depends on beside the submission.
-    seconds : float
-        Time limit for loading a notebook. Each exercise has the limit for its calls.
-    version : str
-        The course's: what a notebook of this release is stamped with.
-    earlier : tuple of EarlierLesson
-        Lessons whose functions its exercises use directly or indirectly, in their order.
-    classes : mapping of str to UsedClass
-        Those among what its exercises use, by "name" or "01:name".
+    `reference` is the solution notebook, `setup` the released set-up cell, and `hash` depends on everything that
+    affects a score, except the submission. `seconds` limit the loading of a notebook; each exercise has the limit for
+    its calls. `version` is the release's. `earlier` are the lessons whose functions its exercises use directly or
+    indirectly, in their order, and `classes` the classes among these, by "name" or "01:name".
     """
 
     lesson: str
@@ -159,26 +114,10 @@ class Assignment:
 
 
 def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
-    """Draw a lesson's hidden cases and work out what is expected of them.
+    """Draw a lesson's hidden cases, the same for the same secret of the instructor, and compute the expected answers.
 
-    Parameters
-    ----------
-    course : Course
-        From `course.load_course`.
-    lesson : str
-        Number or name.
-    secret : bytes
-        The instructor's: the same secret draws the same cases.
-
-    Returns
-    -------
-    Assignment
-        To grade with.
-
-    Raises
-    ------
-    LessonError, PlanError, FileNotFoundError
-        If there is no such lesson, its declaration does not fit its solution, or it has not been built.
+    Raise a LessonError, PlanError or FileNotFoundError if there is no such lesson, its declaration does not fit its
+    solution, or it has not been built.
     """
     (name,) = course.names([lesson])
     plan, notebook = course.plan(name), course.solutions / f"{name}.ipynb"
@@ -232,15 +171,8 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
 def library_digest(lesson: str) -> str:
     """Hash the part of the library that a lesson's scores can depend on: all that students import except display code.
 
-    Parameters
-    ----------
-    lesson : str
-        Such as "01_hsl_filtering": of the lessons' folders only its own counts.
-
-    Returns
-    -------
-    str
-        Of names and sources; the same in any folder and on any system.
+    Of the lessons' folders, only its own counts. The hash is of names and sources, and the same in any folder and
+    system.
     """
 
     def counts(inside: Path) -> bool:
@@ -257,10 +189,7 @@ def library_digest(lesson: str) -> str:
 def package_digest() -> str:
     """Hash the whole package, with the instructor's side: two machines with the same digest grade alike.
 
-    Returns
-    -------
-    str
-        Of names and sources; the same in any folder and on any system.
+    The hash is of names and sources, and the same in any folder and system.
     """
     return _sources_digest(lambda inside: True)
 

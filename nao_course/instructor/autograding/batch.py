@@ -86,29 +86,11 @@ def grade_all(
 ) -> Summary:
     """Grade what the journal does not have yet, with some threads over one server or with other workers.
 
-    Parameters
-    ----------
-    submissions : iterable of Submission
-        In any order; taken one by one, so that any number fits into memory.
-    assignment_of : callable
-        Called with a lesson's name.
-    journal : Journal
-        Where each result is kept, by the calling thread.
-    jobs : int
-        How many are graded at a time.
-    server, level
-        As in `grader.grade`.
-    workers : Workers, optional
-        Grade in place of threads; they have servers of their own.
-    publish : callable
-        Called with each result before it is kept: a run that is killed between the two does both again.
-    tell : callable
-        Called with each submission that is done.
-
-    Returns
-    -------
-    Summary
-        What was done.
+    Submissions are taken one by one, so that any number fits into memory, and `jobs` are graded at a time.
+    `assignment_of` is called with a lesson's name. `publish` is called with each result before the calling thread keeps
+    it in the journal: a run that is killed between the two does both again. `tell` is called with each submission that
+    is done; `server` and `level` are as in `grader.grade`, and `workers`, with servers of their own, replace the
+    threads.
     """
     summary = Summary()
     stop = threading.Event()
@@ -198,21 +180,7 @@ def as_they_come(
 ) -> Iterator[tuple[Submission, ResultOrError]]:
     """Submit for grading, a limited number at a time, and yield each result when it is ready.
 
-    Parameters
-    ----------
-    work : iterable of (Submission, Assignment)
-        Taken from only as results come.
-    submit : callable
-        Called with one; returns the future of its result.
-    most : callable
-        Returns how many may wait or run.
-
-    Yields
-    ------
-    submission : Submission
-        Which one.
-    result : SubmissionResult or GraderError
-        The result.
+    Work is taken only as results come. `submit` returns the future of a result, and `most` how many may wait or run.
     """
     waiting: dict[Future[SubmissionResult], Submission] = {}
     rest = iter(work)
@@ -246,18 +214,11 @@ def installed() -> str:
 
 @dataclass
 class LessonSummary:
-    """What a class has in one lesson so far.
+    """The results of a class in one lesson: points of each graded and each refused submission, as in exports.
 
-    Parameters
-    ----------
-    graded, refused : list of float
-        Points of each graded and of each refused submission, as exports contain them.
-    worth : float
-        Points of the lesson.
-    changed_marks : int
-        Written answers that a person has marked and that the student has changed since.
-    changed_overrides : list of (SubmissionResult, Override)
-        Points by hand that do not count any more, because the answer has changed, or because the grader gives more.
+    `worth` are the lesson's points. `changed_marks` counts written answers that a person has marked and that the
+    student has changed since. `changed_overrides` are points by hand that do not count any more, because the answer has
+    changed, or because the grader gives more.
     """
 
     graded: list[float] = field(default_factory=list)

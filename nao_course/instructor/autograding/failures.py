@@ -113,20 +113,10 @@ def own_line(line: str, files: Files, name: str) -> str:
 
 @lru_cache(maxsize=4)
 def definition_lines(notebook: bytes, name: str) -> frozenset[tuple[int, str]]:
-    """Return the lines of the last definition of a function or class in a notebook, with their numbers in its cell.
+    """Return the line numbers and lines, without surrounding blanks, of an exercise's last definition in a notebook.
 
-    Parameters
-    ----------
-    notebook : bytes
-        As it was handed in; nothing of it runs.
-    name : str
-        Of the exercise.
-
-    Returns
-    -------
-    frozenset of (int, str)
-        Without surrounding blanks. Empty for a large notebook or definition,
-        because a choice among many lines reveals much.
+    The numbers count in its cell, and nothing of the notebook runs. A large notebook or definition has no lines,
+    because a choice among many lines reveals much.
     """
     _, lines, start = defining_cell(name, code_cells(notebook))
     body = takewhile(lambda line: not line or line[0] in " \t)#", lines[start + 1 :])
@@ -147,18 +137,10 @@ def code_cells(notebook: bytes) -> tuple[str, ...]:
 def with_causes(
     results: Iterable[ExerciseResult], skipped: Sequence[Skipped], notebook: bytes, newer: Newer
 ) -> tuple[ExerciseResult, ...]:
-    """Say why an exercise's definition is missing, and leave to a person what may be due to an older version here.
+    """Add to results why a definition is missing; a person decides what may be due to an older version here.
 
-    Parameters
-    ----------
-    results : iterable of ExerciseResult
-        Results of a submission.
-    skipped : sequence of Skipped
-        What did not run when the notebook was loaded, before there was any hidden input.
-    notebook : bytes
-        The notebook; nothing of it runs.
-    newer : Newer
-        Versions of the notebook that are newer than the grader's.
+    `skipped` did not run when the notebook was loaded, before there was any hidden input; nothing of the notebook runs
+    here. `newer` are the versions of the notebook that are newer than the grader's.
     """
     unread = next((each for each in skipped if each.cell and newer.explains(each.reason)), None)
 

@@ -104,34 +104,12 @@ def grade(
     level: str = "own process",
     stopped: Callable[[], bool] = lambda: False,
 ) -> SubmissionResult:
-    """Grade a submission.
+    """Grade a submission from `submissions.gather` with the assignment of its lesson, and return a score or a reason.
 
-    Parameters
-    ----------
-    submission : Submission
-        From `submissions.gather`.
-    assignment : Assignment
-        From `prepare`, of its lesson.
-    server : WarmServer, optional
-        Where its worker comes from; without one it is a new process.
-    level : str
-        The sandbox level that this is, for the result.
-    stopped : callable
-        Asked before each call: whether to give up.
-
-    Returns
-    -------
-    SubmissionResult
-        With a score or a reason, whatever was handed in.
-
-    Raises
-    ------
-    GraderError
-        If the grader itself fails: there is no score then.
-    SandboxError
-        If a worker could not be confined: nothing may be graded then.
-    Stopped
-        If it was to give up.
+    The server forks the sandboxed worker; without it, a new Python process is started. `level` is the sandbox level for
+    the result, and `stopped` is called before each call, and returns whether to give up. Raise a GraderError if the
+    grader itself fails, a SandboxError if a worker could not be confined, so that nothing may be graded, and Stopped if
+    it was to give up.
     """
     start = time.monotonic()
     allowances = Allowances(task.public.name for task in assignment.tasks)

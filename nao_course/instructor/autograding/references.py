@@ -33,8 +33,6 @@ STOOD_IN = (
 def in_words(use: str) -> str:
     """Name an earlier exercise as a page does.
 
-    Examples
-    --------
     >>> in_words("hue_mask"), in_words("01:hue_mask")
     ('hue_mask', 'hue_mask of lesson 01')
     """
@@ -86,12 +84,7 @@ def notebook_of(sources: Iterable[str]) -> bytes:
 def recorded(exercise: PublicExercise, allowance: Allowance) -> dict[str, ReferenceFunction]:
     """Return functions that answer from recorded calls, as a check does while earlier functions are not usable.
 
-    Parameters
-    ----------
-    exercise : PublicExercise
-        With the recorded calls.
-    allowance : Allowance
-        Processor time for looking answers up, which happens in the grader's own process.
+    Looking answers up takes processor time of the grader's own process, limited by the allowance.
     """
     calls = Calls(exercise.earlier)
 
@@ -123,18 +116,8 @@ def how_many_pass(exercise: PublicExercise, outcomes: Sequence[Outcome]) -> int:
 class References:
     """The reference's functions of an assignment and the lessons before it, each lesson in a worker of its own.
 
-    Parameters
-    ----------
-    assignment : Assignment
-        Whose.
-    server : WarmServer, optional
-        Of the workers.
-    stack : ExitStack
-        Ends them.
-    seconds : float
-        Time limit of a call.
-    allowance : Allowance
-        For all that is asked of the reference on behalf of one exercise of a submission.
+    The stack ends the workers. `seconds` limit a call, and the allowance everything that is requested of the reference
+    on behalf of one exercise of a submission.
     """
 
     def __init__(

@@ -20,10 +20,7 @@ _NAME = re.compile(r"nao_course_run_(\d+)_\w+")
 def scratch_folder() -> Iterator[Path]:
     """Make a folder for all temporary files of this process, and delete the folders of killed runs.
 
-    Yields
-    ------
-    Path
-        The folder; it goes when the block ends.
+    The folder is deleted when the block ends.
     """
     usual = Path(tempfile.gettempdir())
     _sweep(usual)
@@ -42,10 +39,7 @@ def scratch_folder() -> Iterator[Path]:
 def laid_out(files: Files, lesson: str) -> Iterator[Path]:
     """Write a submission's files, as they were read and hashed, into a folder that is deleted in any case.
 
-    Yields
-    ------
-    Path
-        The notebook; its helper files are beside it.
+    Yield the path of the notebook; its helper files are beside it.
     """
     with tempfile.TemporaryDirectory(prefix="nao_course_", ignore_cleanup_errors=True) as folder:
         notebook = Path(folder, f"{lesson}.ipynb")

@@ -29,15 +29,8 @@ def secret_path() -> Path:
 def load_secret() -> bytes:
     """Read the secret; where nothing names one and there is none, make it, for this user's eyes only.
 
-    Returns
-    -------
-    bytes
-        At least 16.
-
-    Raises
-    ------
-    SecretError
-        If it cannot be read or made, is too short, or other users may read it.
+    It has at least 16 bytes. Raise a SecretError if it cannot be read or made, is too short, or other users may read
+    it.
     """
     path = secret_path()
     try:
@@ -88,8 +81,6 @@ def keyed(secret: bytes, *words: str) -> str:
 def student_code(secret: bytes, student: str) -> str:
     """Return a code that replaces a student's name where marking is anonymous; without the secret it names nobody.
 
-    Examples
-    --------
     >>> student_code(b"0123456789abcdef", "ada")
     'student-8d789114d3'
     """

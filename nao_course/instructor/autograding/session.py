@@ -23,19 +23,11 @@ from nao_course.instructor.sandbox.warm_server import WarmServer
 
 @dataclass(frozen=True)
 class Machines:
-    """Where submissions are graded.
+    """Where submissions are graded, and how many at a time; a scheduler's workers have their own number.
 
-    Parameters
-    ----------
-    jobs : int
-        How many at a time; a scheduler's workers have their own number.
-    require_sandbox : str
-        The lowest sandbox level. If it is empty, this machine may have any, and workers of a cluster need this
-        machine's.
-    scheduler : str
-        Address of a Dask scheduler whose workers grade.
-    workers : int
-        Dask workers to start on this machine; without scheduler and workers, this process grades.
+    `require_sandbox` is the lowest sandbox level; if it is empty, this machine may have any, and workers of a cluster
+    need this machine's. Submissions are graded by workers of the Dask `scheduler` at this address, by this number of
+    Dask `workers` on this machine, or without both by this process.
     """
 
     jobs: int = 1
@@ -48,16 +40,7 @@ class Machines:
 class Session:
     """A run of the grader, ready for submissions.
 
-    Parameters
-    ----------
-    assignments : mapping of str to Future of Assignment
-        By lesson.
-    jobs : int
-        How many submissions are graded at a time, if there are no workers.
-    server : WarmServer, optional
-        Whose processes run students' code, if there are no workers.
-    workers : Workers, optional
-        Of a cluster.
+    Without `workers` of a cluster, `jobs` submissions are graded at a time in processes of the server.
     """
 
     assignments: Mapping[str, Future[Assignment]]
@@ -74,21 +57,7 @@ class Session:
     ) -> Summary:
         """Grade submissions into a journal and a folder of feedback pages.
 
-        Parameters
-        ----------
-        submissions : sequence of Submission
-            Of the lessons of this session.
-        journal : Journal
-            What it has already is not graded again.
-        feedback : Path
-            Where the pages go.
-        tell : callable
-            Called with each submission that is done.
-
-        Returns
-        -------
-        Summary
-            What was done.
+        Results that the journal has already are not computed again; `tell` is called with each submission that is done.
         """
         return grade_all(
             submissions,
@@ -113,30 +82,10 @@ def open_session(
 ) -> Iterator[Session]:
     """Begin to prepare assignments, try the sandbox meanwhile, and start or find what runs students' code.
 
-    Parameters
-    ----------
-    course : Course
-        Built.
-    lessons : sequence of str
-        Whole names.
-    secret : bytes
-        The instructor's.
-    machines : Machines
-        Where submissions are graded.
-    say : callable
-        Called with the level of the sandbox, and with lines about workers.
-
-    Yields
-    ------
-    Session
-        To grade with; its server and the workers that it started end with the block.
-
-    Raises
-    ------
-    ValueError
-        If the sandbox is weaker than what is required, or than it was when it was tried, or a cluster cannot be used.
-    ModuleNotFoundError
-        If Dask is needed and not installed.
+    The lessons are whole names of a course that is built. `say` is called with the level of the sandbox, and with lines
+    about workers. The server and the workers that were started end with the block. Raise a ValueError if the sandbox is
+    weaker than what is required, or than it was when it was tried, or a cluster cannot be used, and a
+    ModuleNotFoundError if Dask is needed and not installed.
     """
     elsewhere = machines.scheduler or machines.workers
     if elsewhere:

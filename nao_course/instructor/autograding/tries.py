@@ -31,13 +31,6 @@ class Shares(dict[str, Allowance]):
     """Time that some exercises share fairly: half of it is divided among them, the rest is for who needs it first.
 
     What one exercise uses up therefore never takes the share of another.
-
-    Parameters
-    ----------
-    seconds : float
-        All of it.
-    names : iterable of str
-        Of the exercises.
     """
 
     def __init__(self, seconds: float, names: Iterable[str]) -> None:
@@ -48,21 +41,9 @@ class Shares(dict[str, Allowance]):
 class Allowances:
     """Time that grading one submission may take, all tries together.
 
-    Parameters
-    ----------
-    names : iterable of str
-        Of the exercises.
-
-    Attributes
-    ----------
-    own : Shares
-        For the student's code, and for loading it.
-    again : Shares
-        For the student's code with the reference's functions.
-    references : Shares
-        For the reference's functions, which the student's code may call in place of earlier exercises.
-    recorded : Shares
-        For looking up recorded answers, which may stand in for earlier exercises in public cases.
+    `own` is for the student's code and for loading it, `again` for the student's code with the reference's functions,
+    `references` for the reference's functions, which the student's code may call in place of earlier exercises, and
+    `recorded` for looking up recorded answers, which may replace earlier exercises in public cases.
     """
 
     def __init__(self, names: Iterable[str]) -> None:
@@ -83,10 +64,7 @@ def not_run(shares: Shares) -> str:
 def until_agreed(work: Callable[[bool], tuple[SubmissionResult, int]]) -> SubmissionResult:
     """Grade until nobody outside may have ended a process, or two tries agree: what is a submission's own recurs.
 
-    Parameters
-    ----------
-    work : callable
-        Called with True for a retry; returns the result and the number of processes that may have been ended.
+    `work` is called with True for a retry, and returns the result and the number of processes that may have been ended.
     """
     first, deaths = work(False)
     result = first
@@ -129,10 +107,7 @@ def in_spite_of_the_server(
 ) -> tuple[SubmissionResult, int]:
     """Start again if the warm server died, with a server of the submission's own: another one may have ended it.
 
-    Raises
-    ------
-    ServerEnded
-        If its own server died, too; the message is the reason why it is refused.
+    Raise ServerEnded if its own server died, too; the message is the reason why it is refused.
     """
     try:
         return work(server)

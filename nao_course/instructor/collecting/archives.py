@@ -49,22 +49,9 @@ class Refused(Exception):  # noqa: N818 - it is the submission's, not the progra
 class Item:
     """A file in a folder or zip.
 
-    Parameters
-    ----------
-    parts : tuple of str
-        Its name, by folders.
-    source : Path
-        The file, or the zip that it is in.
-    size : int
-        Bytes.
-    time : float
-        When it was written, in seconds since 1970; a zip's are without time zone.
-    entry : zipfile.ZipInfo, optional
-        What it is in its zip.
-    problem : str
-        Why it is not taken, where it is not.
-    ignored : bool
-        Whether it is a program's, such as a checkpoint, or stands for an empty folder: it only says whose folder it is.
+    `parts` is its name, by folders, `source` the file or the zip that it is in, and `size` in bytes. `time` is in
+    seconds since 1970; a zip's is without time zone. `problem` says why it is not read. An `ignored` item is a
+    program's, such as a checkpoint, or represents an empty folder, so it only shows whose folder it is.
     """
 
     parts: tuple[str, ...]
@@ -81,13 +68,7 @@ class Item:
         return self.entry.filename.rpartition("/")[0] if self.entry else str(self.source.parent)
 
     def content(self, most: int) -> bytes:
-        """Return what is in it.
-
-        Raises
-        ------
-        Refused
-            If it is larger than `most`, no plain file, or cannot be read.
-        """
+        """Return its content; refuse what is larger than `most` bytes, is not a plain file, or cannot be read."""
         if self.problem:
             raise Refused(self.problem)
         if self.entry is None:
@@ -122,10 +103,7 @@ def too_large(most: int) -> str:
 def opened(path: Path) -> Iterator[IO[bytes]]:
     """Open a plain file, and nothing that a link or device leads to.
 
-    Raises
-    ------
-    Refused
-        If the path is not a plain file, or cannot be read.
+    Raise Refused for anything else, and for a file that cannot be read.
     """
     flags = (
         os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
@@ -141,13 +119,7 @@ def opened(path: Path) -> Iterator[IO[bytes]]:
 
 
 def read_plain(path: Path, most: int) -> bytes:
-    """Read a plain file of at most some bytes.
-
-    Raises
-    ------
-    Refused
-        If it is larger, no plain file, or cannot be read.
-    """
+    """Read a plain file of at most some bytes; raise Refused for anything else, and for a file that cannot be read."""
     with in_parts(path, most) as (_, parts):
         return b"".join(parts)
 
@@ -156,17 +128,8 @@ def read_plain(path: Path, most: int) -> bytes:
 def in_parts(path: Path, most: int) -> Iterator[tuple[int, Iterator[bytes]]]:
     """Open a plain file of at most some bytes to read it in parts.
 
-    Yields
-    ------
-    size : int
-        Its size in bytes.
-    parts : iterator of bytes
-        Its content, exactly of this size.
-
-    Raises
-    ------
-    Refused
-        If it is larger, no plain file, cannot be read, or has changed meanwhile.
+    Yield its size in bytes, and its content, exactly of this size. Raise Refused if it is larger, is not a plain file,
+    cannot be read, or has changed meanwhile.
     """
     with opened(path) as file:
         size = os.fstat(file.fileno()).st_size
@@ -198,10 +161,7 @@ def _unreadable(error: OSError) -> str:
 def in_folder(root: Path) -> Iterator[Item]:
     """List the files of a folder and of those in it, in the order of their names; links are not followed.
 
-    Raises
-    ------
-    ValueError
-        If there are more than MOST_FILES.
+    Raise a ValueError if there are more than MOST_FILES.
     """
     for number, item in enumerate(_walk(root, ()), start=1):
         if number > MOST_FILES:
@@ -253,17 +213,8 @@ def _is_left_out(name: str, *, named_by_students: bool) -> bool:
 def in_zip(path: Path, *, students: bool) -> list[Item]:
     """List the files of a zip, without unpacking anything.
 
-    Parameters
-    ----------
-    path : Path
-        The zip.
-    students : bool
-        Whether a student made it: then it may hold no more than a student's work does.
-
-    Raises
-    ------
-    Refused
-        If it is no zip, or holds too much.
+    A zip made by a student may hold no more than a student's work does. Raise Refused if it is not a zip, or holds too
+    much.
     """
     with opened(path) as file, _plainly():
         if students:

@@ -14,18 +14,10 @@ from nao_course.instructor.collecting.submissions import Submission
 
 @dataclass(frozen=True)
 class Files:
-    """What a submission consists of.
+    """The contents of a submission: the notebook, a large one without its outputs, and its helpers by name.
 
-    Parameters
-    ----------
-    notebook : bytes
-        As it was handed in; a large one without its outputs.
-    helpers : mapping of str to bytes
-        By file name.
-    earlier : mapping of str to Files
-        Readable notebooks of earlier lessons and their helpers, by the lesson's name.
-    digest : bytes
-        SHA-256 of the notebook as it was handed in; by default of `notebook`.
+    `earlier` are readable notebooks of earlier lessons and their helpers, by the lesson's name. `digest` is the SHA-256
+    of the notebook as it was handed in; by default of `notebook`.
     """
 
     notebook: bytes
@@ -50,18 +42,9 @@ Shorten = Callable[[str, int, Iterator[bytes]], bytes]
 def read(submission: Submission, shorten: Shorten | None = None) -> Files:
     """Read a submission's files, each of a bounded size and none through a link.
 
-    Parameters
-    ----------
-    submission : Submission
-        Where they are.
-    shorten : callable, optional
-        Called with name, size in bytes and content of a notebook with more than LARGEST_READ bytes. It returns the
-        notebook without its outputs, or raises Refused. By default such a notebook is only hashed.
-
-    Raises
-    ------
-    Refused
-        If that is not possible; its text is the reason.
+    `shorten` is called with name, size in bytes and content of a notebook with more than LARGEST_READ bytes, and
+    returns it without its outputs or raises Refused; by default such a notebook is only hashed. Refused has the reason
+    as its text.
     """
     if submission.reason:
         raise Refused(submission.reason)

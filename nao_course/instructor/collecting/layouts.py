@@ -26,21 +26,12 @@ _LARGEST_TEXT = 2**24  # bytes of a file of a platform that names students
 
 @dataclass(frozen=True)
 class Layout:
-    """How a platform names what was handed in.
+    """The names that a platform gives to submissions, as regular expressions.
 
-    Parameters
-    ----------
-    platform : str
-        Name for people.
-    path : str
-        Regular expression of a file's path, with "/" between folders. Its groups are `student`, `file` (the rest of the
-        path) and, if the platform names them, `number` (of the person), `attempt`, `time` and `late`.
-    wrapper : str
-        Regular expression of the folder that the platform puts around all students.
-    ignored : str
-        Regular expression of the files that the platform adds.
-    is_certain : bool
-        Whether only this platform names folders or files so. If not, a file of this form may be anybody's.
+    `path` matches a file's path, with "/" between folders; its groups are `student`, `file` (the rest of the path) and,
+    if the platform names them, `number` (of the person), `attempt`, `time` and `late`. `wrapper` matches the folder
+    that the platform puts around all students, and `ignored` the files that it adds. Unless `is_certain`, a file of
+    this form may be anybody's.
     """
 
     platform: str
@@ -133,28 +124,12 @@ _GROUP = re.compile(
 
 @dataclass(frozen=True)
 class HandedIn:
-    """Whose file it is, what it is called, and which attempt it is.
+    """The student whose file it is, the file's name without what a platform added, and which attempt it is.
 
-    Parameters
-    ----------
-    student : str
-        Name of the student.
-    file : str
-        Name of the file, without what a platform added.
-    platform : str
-        Platform of the layout.
-    number : str
-        The platform's number or login of the person; often empty.
-    written : str
-        The student as the path writes it, with dates and titles.
-    order : tuple of (int, float)
-        Of two files of one student and lesson the larger one counts: attempt, then time, by the platform.
-    late : bool
-        Whether the platform says that it was handed in late.
-    is_certain : bool
-        Whether only a platform names files so.
-    problem : str
-        Why nobody can say whose file it is, and what to do.
+    `number` is the platform's number or login of the person, and often empty; `written` is the student as the path
+    writes it, with dates and titles. Of two files of one student and lesson the one with the larger `order` counts:
+    attempt, then time, by the platform. If `is_certain`, only a platform names files so. `problem` says why nobody can
+    say whose file it is, and what to do.
     """
 
     student: str
@@ -171,12 +146,7 @@ class HandedIn:
 def handed_in(parts: Sequence[str], lessons: Sequence[str]) -> HandedIn | None:
     """Return whose file has a path; None if the path names no student.
 
-    Parameters
-    ----------
-    parts : sequence of str
-        The path, by folders; the last one is the file's own name.
-    lessons : sequence of str
-        Names of the lessons that there are.
+    The path is given by folders; its last part is the file's own name.
     """
     path = _path(parts)
     for layout, pattern in _PATHS:
@@ -196,8 +166,6 @@ def handed_in(parts: Sequence[str], lessons: Sequence[str]) -> HandedIn | None:
 def is_a_lesson(folder: str, lessons: Sequence[str]) -> bool:
     """Return whether a folder is named after a lesson and nothing else.
 
-    Examples
-    --------
     >>> is_a_lesson("01_HSL_filtering", ["01_hsl_filtering"]), is_a_lesson("ada_01_hsl_filtering", ["01_hsl_filtering"])
     (True, False)
     """
@@ -225,8 +193,6 @@ def added_for(parts: Sequence[str]) -> str | None:
 def is_request(file: str) -> bool:
     """Return whether a file is a student's file of requests, whatever an editor or browser added to its name.
 
-    Examples
-    --------
     >>> is_request("Regrade_Request (1).txt")
     True
     """
@@ -236,13 +202,8 @@ def is_request(file: str) -> bool:
 def canvas_name(path: str) -> str:
     """Return the name that Canvas gave to a file that was handed in, without its suffix; empty if it is not one.
 
-    Parameters
-    ----------
-    path : str
-        The file, or a file in a zip that was handed in: ``x.zip/01_hsl_filtering.ipynb``.
+    It may be in a zip that was handed in: ``x.zip/01_hsl_filtering.ipynb``.
 
-    Examples
-    --------
     >>> canvas_name("lovelaceada_123456_7890123_01_hsl_filtering.ipynb")
     'lovelaceada_123456_7890123_01_hsl_filtering'
     """
@@ -334,18 +295,10 @@ def _named(whole: str, file: str, name: str, order: tuple[int, float], is_clear:
 
 
 class Students:
-    """Whose the files of one download are.
+    """The students of the files of one download, given without the folders around the students.
 
-    Parameters
-    ----------
-    items : iterable of Item
-        All files, without the folders around the students.
-    lessons : sequence of str
-        Names of the lessons that there are.
-    known : collection of str
-        Students of earlier runs, who keep their names.
-    platforms : mapping of str to str
-        Platforms whose folder was around a student's folder, by the student's folder.
+    `known` are students of earlier runs, who keep their names. `platforms` are the platforms whose folder was around a
+    student's folder, by the student's folder.
     """
 
     def __init__(
@@ -522,22 +475,9 @@ def without_wrappers(
 ) -> tuple[list[Item], dict[str, str]]:
     """Remove the folders that platforms put around all students.
 
-    Parameters
-    ----------
-    items : iterable of Item
-        All files.
-    known : callable
-        Returns whether a student of an earlier run has a name: then a folder of this name is that student's.
-    root : str
-        Name of the folder or zip that holds them.
-
-    Returns
-    -------
-    items : list of Item
-        The files, without the files that a platform adds about the whole class. The first part of each is a student's
-        folder or the file itself.
-    platforms : dict of str to str
-        Platforms by students' folders.
+    `known` returns whether a student of an earlier run has a name: then a folder of this name is that student's. The
+    first part of each returned item is a student's folder or the file itself; files that a platform adds about the
+    whole class are left out. The second result has the platforms by students' folders.
     """
     kept, platforms = [], dict[str, str]()
     for item in items:

@@ -60,18 +60,10 @@ _EDGES = " _-,;.()[]"
 
 @dataclass(frozen=True)
 class Marks:
-    """A name without its dates, times and attempts, and what they say.
+    """A name without its dates, times and attempts, and what they mean; the whole name if there are none.
 
-    Parameters
-    ----------
-    name : str
-        The rest of the name; the whole name if there is no such part.
-    attempt : int
-        Number of the attempt; 0 if none is named.
-    time : float
-        Seconds since 1970 without a time zone, for comparisons; 0 if no time is named.
-    is_clear : bool
-        Whether every date and time could be read.
+    The attempt and the time are 0 if none is named; `time` is in seconds since 1970 without a time zone, for
+    comparisons. `is_clear` says whether every date and time could be read.
     """
 
     name: str
@@ -83,8 +75,6 @@ class Marks:
 def read_marks(text: str) -> Marks:
     """Take dates, times and attempts out of a name.
 
-    Examples
-    --------
     >>> read_marks("Ada Lovelace - Nov 20, 2026 932 PM").name
     'Ada Lovelace'
     >>> read_marks("ada_attempt_2").attempt, read_marks("Ada 03/04/2026").is_clear
@@ -123,8 +113,6 @@ def read_marks(text: str) -> Marks:
 def without_weak_marks(name: str) -> str:
     """Return a name without what may be a date, a copy or a version; the whole name if nothing else is in it.
 
-    Examples
-    --------
     >>> without_weak_marks("ada_20261120"), without_weak_marks("ada (1)"), without_weak_marks("20261120")
     ('ada', 'ada', '20261120')
     """

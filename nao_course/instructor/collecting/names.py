@@ -15,8 +15,6 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 def safe_name(student: str) -> str:
     """Return a file name for a student: no two have one, whatever the file system makes of upper and lower case.
 
-    Examples
-    --------
     >>> safe_name("ada_lovelace")
     'ada_lovelace'
     >>> safe_name("../Ada")

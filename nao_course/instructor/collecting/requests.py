@@ -40,30 +40,11 @@ class AskedAbout(NamedTuple):
 def request_files(
     path: Path, scratch: Path, lessons: Sequence[str], known: Collection[str]
 ) -> tuple[dict[str, str], list[tuple[str, str]]]:
-    """Find the request files in a folder or zip of submissions.
+    """Find the request files in a folder or zip of submissions; `known` are the students who have a result.
 
-    Parameters
-    ----------
-    path : Path
-        What `nao-course grade` takes.
-    scratch : Path
-        A folder of the caller's.
-    lessons : sequence of str
-        Names of the lessons that there are.
-    known : collection of str
-        Students who have a result.
-
-    Returns
-    -------
-    texts : dict of str to str
-        Text of the newest file by student.
-    problems : list of (str, str)
-        Student, or an empty string, and why a file cannot be read.
-
-    Raises
-    ------
-    ValueError
-        If the path is neither a folder nor a zip.
+    Return the text of the newest file by student, and the student, or an empty string, with the reason for each file
+    that cannot be read. `scratch` is a folder of the caller's. Raise a ValueError if the path is neither a folder nor a
+    zip.
     """
     unwrapped, students = open_download(path, lessons, known)
     found: dict[str, tuple[tuple[object, ...], str]] = {}
@@ -117,8 +98,6 @@ def _requests_of(item: Item, name: HandedIn | None, scratch: Path) -> Iterator[I
 def requests_in(text: str, exercises: Sequence[AskedAbout]) -> tuple[dict[tuple[str, str], str], list[str]]:
     r"""Return the requests of a file by lesson and exercise, and what could not be read.
 
-    Examples
-    --------
     >>> exercises = [AskedAbout("01_hsl_filtering", "1.4", "hue_mask")]
     >>> requests_in("* Hue_Mask: red is right,\nsee page 3: it says so\nhue_mas: no", exercises)
     ({('01_hsl_filtering', 'hue_mask'): 'red is right,\nsee page 3: it says so'}, ["'hue_mas: no' (is it hue_mask?)"])

@@ -90,22 +90,12 @@ class Submission:
 
 @dataclass(frozen=True)
 class Gathered:
-    """All that was handed in, sorted by student and lesson.
+    """All that was handed in, by student and lesson: submissions to grade, and refused ones with their reasons.
 
-    Parameters
-    ----------
-    submissions, refused : tuple of Submission
-        Submissions to grade, and refused submissions with their reasons.
-    unknown : tuple of str
-        Files of which nobody can say whose or of which lesson they are, each with the reason; first `not_graded`.
-    not_graded : tuple of str
-        Files that may be a student's work, and students of whom there is no notebook of a wanted lesson.
-    wrapper : str
-        Name of a folder that was around everything and may be a student's; often empty.
-    recognised : tuple of str
-        A line for each platform whose names were recognised.
-    older : tuple of str
-        A line for each student whose newest notebook does not count, with the reason.
+    `unknown` are files whose student or lesson nobody can determine, each with the reason; first `not_graded`: files
+    that may be a student's work, and students of whom there is no notebook of a wanted lesson. `wrapper` is a folder
+    that was around everything and may be a student's; it is often empty. `recognised` has a line for each platform
+    whose names were recognised, and `older` for each student whose newest notebook does not count, with the reason.
     """
 
     submissions: tuple[Submission, ...]
@@ -124,14 +114,8 @@ def with_earlier(
 ) -> list[Submission]:
     """Give each submission the same student's earlier work that it uses.
 
-    Parameters
-    ----------
-    submissions : iterable of Submission
-        To be graded.
-    earlier : mapping of (str, str) to Submission
-        What was handed in, by student and lesson.
-    needed : callable
-        Called with a lesson's name; returns the names of the lessons that it uses.
+    `earlier` is what was handed in, by student and lesson, and `needed` returns the names of the lessons that a lesson
+    uses.
     """
     return [
         replace(
@@ -155,30 +139,10 @@ def gather(
 ) -> Gathered:
     """Find all submissions. If a student has several of a lesson, use the newest one in which something is answered.
 
-    Parameters
-    ----------
-    path : Path
-        A folder, or the zip of a learning platform.
-    scratch : Path
-        An empty folder of the caller's, where what counts is unpacked to; nothing is written elsewhere.
-    lessons : sequence of str
-        Names of the lessons that there are.
-    wanted : sequence of str, optional
-        Those to find; all by default. Where it is one, a zip that cannot be opened counts as a submission of it.
-    one_student : bool
-        Whether the one folder in it is a student's, whatever is in that.
-    known : collection of str
-        Students of earlier runs: a folder with such a name is that student's, whatever is in it.
-
-    Returns
-    -------
-    Gathered
-        Sorted by student and lesson.
-
-    Raises
-    ------
-    ValueError
-        If the path does not exist, or is neither a folder nor a zip.
+    What counts is unpacked to `scratch`, an empty folder of the caller's; nothing is written elsewhere. If a single
+    lesson is `wanted`, a zip that cannot be opened counts as a submission of it. With `one_student`, the one folder in
+    it is a student's, whatever is in that; so is a folder named after a student of an earlier run, in `known`. Raise a
+    ValueError if the path does not exist, or is neither a folder nor a zip.
     """
     unwrapped, students = open_download(path, lessons, known, one_student=one_student)
     search = _Search(scratch, tuple(lessons), tuple(lessons if wanted is None else wanted), students)
@@ -193,15 +157,7 @@ def open_download(
 ) -> tuple[Unwrapped, Students]:
     """List the files of a download, and find out whose they are.
 
-    Parameters
-    ----------
-    path, lessons, known, one_student
-        As in `gather`.
-
-    Raises
-    ------
-    ValueError
-        If the path does not exist, or is neither a folder nor a zip.
+    The arguments are as in `gather`. Raise a ValueError if the path does not exist, or is neither a folder nor a zip.
     """
     if path.is_dir():
         items = list(in_folder(path))

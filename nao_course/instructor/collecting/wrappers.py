@@ -35,16 +35,10 @@ _OWN = re.compile(
 class Unwrapped:
     """The files of a folder or zip of submissions, by student.
 
-    Parameters
-    ----------
-    items : list of Item
-        Each one's first part is a student's folder, or the file itself.
-    wrapper : str
-        Name of the folder that was around all of them and might be a student's; empty if there was none.
-    refused : dict of str to str
-        Folders that hold the work of several students although others lie beside them, and the reason.
-    platforms : dict of str to str
-        Platforms by students' folders, if the folder around them has the name that the platform gives it.
+    The first part of each item is a student's folder, or the file itself. `wrapper` is the folder that was around all
+    of them and might be a student's, if any. `refused` are folders that hold the work of several students although
+    others lie beside them, with the reason. `platforms` are by students' folders, if the folder around them has the
+    name that the platform gives it.
     """
 
     items: list[Item]
@@ -58,21 +52,8 @@ def unwrap(
 ) -> Unwrapped:
     """Remove a folder around all students, and name folders that cannot belong to one student.
 
-    Parameters
-    ----------
-    items : iterable of Item
-        All files.
-    lessons : sequence of str
-        Names of the lessons that there are.
-    known : collection of str
-        Students of earlier runs: their folders are their own, whatever they contain.
-    root : str
-        Name of the folder or zip that holds the files.
-
-    Returns
-    -------
-    Unwrapped
-        Files, without the wrapper.
+    The folders of `known` students, of earlier runs, are their own, whatever they contain; `root` names the folder or
+    zip that holds the files.
     """
     theirs = {clean_name(each).casefold() for each in known}
     items, platforms = without_wrappers(items, lambda name: clean_name(name).casefold() in theirs, root)
@@ -130,16 +111,8 @@ def students_in(paths: Iterable[tuple[str, ...]], lessons: Sequence[str], folder
 
     It holds the work of several students if notebooks of the same lesson are in several of its folders or are named
     after several students, if a zip is in one of its folders and more work in another one, or if a learning platform
-    named what is in it. A student's own folders, such as `old` and `new`, do not count.
-
-    Parameters
-    ----------
-    paths : iterable of tuple of str
-        Files in it, by folders.
-    lessons : sequence of str
-        Names of the lessons that there are.
-    folder : str
-        Name of the folder or of the archive's student: a student's own file may repeat it.
+    named what is in it. A student's own folders, such as `old` and `new`, do not count. Paths are by folders; `folder`
+    is the name of the folder or of the archive's student, and a student's own file may repeat it.
     """
     inside = list(paths)
     depth = _common_folders(inside)
@@ -218,14 +191,7 @@ def _is_named_after(student: str, folder: str) -> bool:
 def students_of_zips(zips: Collection[str], lessons: Sequence[str], folder: str) -> list[str]:
     """Return the students after whom zips with work of one lesson in one folder seem to be named, if several.
 
-    Parameters
-    ----------
-    zips : collection of str
-        Their names without ".zip".
-    lessons : sequence of str
-        Names of the lessons that there are.
-    folder : str
-        Name of the folder's student, whose own zips do not count.
+    The zips are without ".zip"; the folder's student does not count.
     """
     named = {
         each

@@ -74,27 +74,10 @@ class JournalError(ValueError):
 class Journal:
     """What was graded: open it, keep results in it, read them.
 
-    Parameters
-    ----------
-    path : Path
-        The SQLite file, or the folder of it; made where there is none.
-    make : bool
-        Whether it may be made.
-    policy : LatePolicy, optional
-        What late submissions lose in the scores that are made of it; nothing by default.
+    It is an SQLite file, or the folder of it, and made if there is none, if `make`. By default, late submissions lose
+    nothing; `problems` lists failures for single students in `for_one`. Raise a JournalError if it is not a journal, of
+    a newer version, or cannot be opened.
 
-    Attributes
-    ----------
-    problems : list of str
-        What failed for single students in `for_one`.
-
-    Raises
-    ------
-    JournalError
-        If it is no journal, of a newer version, or cannot be opened.
-
-    Examples
-    --------
     ::
 
         with Journal(Path("grades")) as journal:
@@ -186,12 +169,7 @@ class Journal:
     def for_one(self, student: str, lesson: str, lost: str) -> Iterator[None]:
         """Run work for one student: a failure is listed in `problems`, and the others' work goes on.
 
-        Parameters
-        ----------
-        student, lesson : str
-            The student and the lesson that the work is for.
-        lost : str
-            What a failure means, such as "the feedback page was not written".
+        `lost` says what a failure means, such as "the feedback page was not written".
         """
         try:
             yield
@@ -284,12 +262,7 @@ class Journal:
     def missing(self, student: str, lesson: str, submission: str, assignment: str) -> bool:
         """Return True if a submission has to be graded: it has no current result, or grading it again was requested.
 
-        Parameters
-        ----------
-        student, lesson : str
-            Whose, and of which lesson.
-        submission, assignment : str
-            Hashes of the submission and of everything that its score depends on.
+        `submission` and `assignment` are hashes of the submission and of everything that its score depends on.
         """
         query = "SELECT submission, assignment, again FROM results WHERE student = ? AND lesson = ?"
         return self._all(query, (student, lesson)) != [(submission, assignment, 0)]

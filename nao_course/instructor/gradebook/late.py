@@ -15,22 +15,11 @@ Deadlines = Mapping[str, datetime]  # by lesson
 
 @dataclass(frozen=True)
 class Lateness:
-    """When a submission was due, and what it loses.
+    """When a submission was due for this student, and the share of the earned points that it loses, 0 to 1.
 
-    Parameters
-    ----------
-    due : datetime
-        Deadline of this student.
-    extended : bool
-        Whether it is later than the deadline of the class.
-    handed_in : datetime, optional
-        When it was handed in; None if unknown.
-    late : bool
-        Whether that is after the deadline and the grace period, or the platform says so and there is no extension.
-    days : int
-        Number of days begun since the deadline; 0 if it is not late, or if only the platform says that it is.
-    share : float
-        Share of the earned points that is deducted, 0 to 1.
+    `extended` means later than the deadline of the class, and `late` after the deadline and the grace period, or late
+    by the platform without an extension. `days` are begun since the deadline, 0 if only the platform says that it is
+    late.
     """
 
     due: datetime
@@ -48,20 +37,11 @@ class Lateness:
 
 @dataclass(frozen=True)
 class LatePolicy:
-    """When lessons are due, and what late submissions lose.
+    """When lessons are due, and what late submissions lose; a lesson without a deadline is never late.
 
-    Parameters
-    ----------
-    deadlines : mapping of str to datetime
-        By lesson. A lesson without a deadline is never late.
-    extensions : mapping of str to mapping of str to datetime
-        Deadlines of single students, by student and lesson.
-    per_day : float
-        Share of the earned points that is deducted for each day begun after the deadline, 0 to 1.
-    grace_hours : float
-        Hours after the deadline in which nothing is deducted.
-    most : float
-        Largest share that is deducted, 0 to 1.
+    `extensions` are deadlines of single students, by student and lesson. `per_day` is the share of the earned points, 0
+    to 1, that is deducted for each day begun after the deadline, `most` the largest such share, and in the first
+    `grace_hours` nothing is deducted.
     """
 
     deadlines: Deadlines = field(default_factory=dict)
@@ -73,8 +53,6 @@ class LatePolicy:
     def lateness(self, result: SubmissionResult) -> Lateness | None:
         """Return when a submission was due and what it loses; None if it has no deadline.
 
-        Examples
-        --------
         >>> policy = LatePolicy({"01_toy": datetime.fromisoformat("2026-11-20 23:59+01:00")}, per_day=0.1)
         >>> result = SubmissionResult("ada", "01_toy", "graded", handed_in="2026-11-22 08:00+00:00")
         >>> found = policy.lateness(result)

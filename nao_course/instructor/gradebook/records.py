@@ -37,36 +37,15 @@ def fingerprint(text: str) -> str:
 
 @dataclass(frozen=True)
 class ExerciseResult:
-    """The result of one exercise, without hidden inputs or expected values.
+    """The result of one exercise, numbered such as "1.3", without hidden inputs or expected values.
 
-    Parameters
-    ----------
-    name, number : str
-        Of the function, and in the lesson: "1.3".
-    points : float
-        What it is worth.
-    earned : float
-        What it got.
-    state : str
-        Right, or in which way it first failed.
-    passed, cases : int
-        Hidden cases that passed, of how many.
-    text : str
-        For the student: how the first hidden case failed, by its kind and the shape of the answer.
-    line : str
-        The student's own line that raised.
-    public : tuple of str
-        What the public check says: it may show values, the student has them all.
-    hint : str
-        The message of the mistake that the public answers look like.
-    mistake : str
-        That mistake's name in the declaration, for the class report.
-    with_reference : bool
-        Whether it failed with the student's earlier functions and was run again with the reference's.
-    notes : tuple of str
-        One thing more for the student, such as that the function changes its input.
-    answer : str
-        Fingerprint of the cells that define it; empty without such a cell, and in results of earlier versions.
+    `points` is what it is worth, `earned` its points, and `passed` the number of hidden cases that passed. `text` says,
+    for the student, how the first hidden case failed, by its kind and the shape of the answer; `line` is the student's
+    line that raised; `public` is what the public check says, which may show values, because students have them all.
+    `hint` is the message of the `mistake` that the public answers fit, by its name in the declaration. `with_reference`
+    means that it failed with the student's earlier functions and was run again with the reference's. `notes` are
+    further remarks for the student, and `answer` is the fingerprint of the cells that define it, empty without such a
+    cell, and in results of earlier versions.
     """
 
     name: str
@@ -100,22 +79,10 @@ class ExerciseResult:
 
 @dataclass(frozen=True)
 class WrittenAnswer:
-    """A written answer: a person marks it.
+    """A written answer, numbered such as "1.W1", that a person marks by the rubric.
 
-    Parameters
-    ----------
-    name, number : str
-        Of the question, and in the lesson: "1.W1".
-    points : float
-        What it is worth.
-    question : str
-        What was asked.
-    rubric : str
-        What to mark it by; never shown to students before it is marked.
-    text : str
-        What the student wrote; empty where nothing.
-    note : str
-        Where the text was, if it was not only in the cell for the answer.
+    Students never see the rubric before the answer is marked. `points` is what it is worth, `text` what the student
+    wrote, and `note` where the text was, if it was not only in the cell for the answer.
     """
 
     name: str
@@ -236,22 +203,10 @@ def now() -> str:
 
 @dataclass(frozen=True)
 class Override:
-    """Points that a person gave instead of the grader.
+    """Points that a person gave an exercise instead of the grader, why, and when, in UTC.
 
-    Parameters
-    ----------
-    student, lesson, exercise : str
-        Whose, and of which exercise.
-    points : float
-        What it is worth now.
-    reason : str
-        Why.
-    time : str
-        When, in UTC.
-    decided_on : str
-        Fingerprint of the answer; or the hash of the submission, if the answer's is unknown.
-    earned : float
-        Points that the grader gave that answer.
+    `decided_on` is the fingerprint of the answer, or the hash of the submission, if the answer's is unknown; `earned`
+    are the points that the grader gave that answer.
     """
 
     student: str
@@ -278,20 +233,9 @@ class Override:
 
 @dataclass(frozen=True)
 class Mark:
-    """Points that a person gave for a written answer.
+    """Points that a person gave for a written answer, a comment for the student, and when, in UTC.
 
-    Parameters
-    ----------
-    student, lesson, question : str
-        Whose answer, and to which question.
-    points : float
-        What it got.
-    comment : str
-        For the student.
-    time : str
-        When, in UTC.
-    decided_on : str
-        `WrittenAnswer.fingerprint` of the answer.
+    `decided_on` is `WrittenAnswer.fingerprint` of the answer.
     """
 
     student: str
@@ -316,18 +260,9 @@ class Mark:
 
 @dataclass(frozen=True)
 class Comment:
-    """A comment on all wrong answers of one kind.
+    """A comment for students on all wrong answers of a kind, and when, in UTC; empty if an earlier one is withdrawn.
 
-    Parameters
-    ----------
-    lesson, exercise, kind : str
-        The answers: `ExerciseResult.kind` of an exercise.
-    text : str
-        For the students; empty if an earlier comment was taken back.
-    time : str
-        When, in UTC.
-    decided_on : str
-        Fingerprint of the check's hint for this kind.
+    `kind` is `ExerciseResult.kind` of an exercise, and `decided_on` the fingerprint of the check's hint for this kind.
     """
 
     lesson: str
@@ -340,18 +275,9 @@ class Comment:
 
 @dataclass(frozen=True)
 class Request:
-    """A student's request that a person looks at an exercise again.
+    """A student's request that a person looks at an exercise again; without an exercise, the unreadable part of a file.
 
-    Parameters
-    ----------
-    student, lesson, exercise : str
-        The student, the lesson and the exercise; without an exercise it is what could not be read of a file.
-    text : str
-        What the student wrote.
-    answer : str
-        What the person decided and why; empty while the request is open.
-    decided_on : str
-        As of an `Override`; empty while the request is open.
+    `answer` is the decision and why, and `decided_on` is as of an `Override`; both are empty while the request is open.
     """
 
     student: str
@@ -371,13 +297,7 @@ def as_json(result: SubmissionResult) -> dict[str, Any]:
 
 
 def from_json(table: Mapping[str, Any]) -> SubmissionResult:
-    """Turn them back.
-
-    Raises
-    ------
-    TypeError, KeyError
-        If they are not a result's.
-    """
+    """Return a result from its table; raise a TypeError or KeyError if it is not a result's."""
     exercises = tuple(
         ExerciseResult(**{**each, "public": tuple(each["public"]), "notes": tuple(each["notes"])})
         for each in table["exercises"]

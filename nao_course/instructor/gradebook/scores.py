@@ -27,24 +27,10 @@ Comments = Mapping[tuple[str, str, str], Comment]  # by lesson, exercise and kin
 
 @dataclass(frozen=True)
 class Score:
-    """A result with what people said of it.
+    """A result with the latest decisions of people on this answer: points and comments by exercise, marks by question.
 
-    Parameters
-    ----------
-    result : SubmissionResult
-        What the grader found.
-    overrides : mapping of str to Override
-        Points that a person set for this answer, by exercise; the latest.
-    marks : mapping of str to Mark
-        Of these written answers, by question; the latest.
-    lateness : Lateness, optional
-        When it was due, and what it loses; None without a deadline.
-    comments : mapping of str to str
-        Comments on wrong answers, by exercise.
-    requests : mapping of str to Request
-        The student's last request about an exercise, by exercise.
-    earlier_overrides, earlier_marks : mapping of str to Override, Mark
-        Proposals: decisions on an earlier answer, where there is none on this one. They count for nothing.
+    `lateness` is None without a deadline. `requests` are the student's last, by exercise. `earlier_overrides` and
+    `earlier_marks` are proposals: decisions on an earlier answer, if there is none on this one. They count for nothing.
     """
 
     result: SubmissionResult
@@ -108,20 +94,10 @@ def score(
     comments: Comments | None = None,
     requests: Iterable[Request] = (),
 ) -> Score:
-    """Put together what belongs to a result.
+    """Combine a result with the decisions on it; overrides, marks and requests of other students are ignored.
 
-    Parameters
-    ----------
-    result : SubmissionResult
-        Of one student and lesson.
-    overrides, marks : iterable of Override, Mark
-        Of anyone; what is another's does not count.
-    policy : LatePolicy, optional
-        What late submissions lose; nothing by default.
-    comments : mapping of (str, str, str) to str, optional
-        Comments by lesson, exercise and kind of the wrong answer.
-    requests : iterable of Request
-        Of anyone, the oldest first.
+    By default, late submissions lose nothing. Comments are by lesson, exercise and kind of the wrong answer; requests
+    are ordered, the oldest first.
     """
     return scores([result], overrides, marks, policy, comments, requests)[0]
 

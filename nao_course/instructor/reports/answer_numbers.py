@@ -18,15 +18,7 @@ _DECIMAL = re.compile(
 
 
 class Written(NamedTuple):
-    """A number as it is written in a text.
-
-    Parameters
-    ----------
-    value : float
-        The number.
-    rounding : float
-        Largest difference from a value that is written like this.
-    """
+    """A number as it is written in a text, and the largest difference from a value that is written like this."""
 
     value: float
     rounding: float
@@ -44,8 +36,6 @@ class Written(NamedTuple):
 def numbers_in(text: str) -> list[Written]:
     """Return the numbers of a text that have two or more decimals, with a point or a comma.
 
-    Examples
-    --------
     >>> [each.value for each in numbers_in("between 0.30-0.45 m, at \u22120,25 rad or 3.20e-2, 1.5 or 2 times")]
     [0.3, 0.45, -0.25, 0.032]
     """
@@ -60,20 +50,8 @@ def numbers_in(text: str) -> list[Written]:
 def compare_numbers(answer: str, student: str, worlds: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
     """Compare an answer with the numbers of the student's personal world.
 
-    Parameters
-    ----------
-    answer : str
-        The student's answer.
-    student : str
-        Name of the student, or what stands for it.
-    worlds : mapping of str to (mapping of str to float)
-        Numbers of the personal world of each student by what they are.
-
-    Yields
-    ------
-    str
-        The student's numbers, and whether they are in the answer; then the worlds with which the answer agrees
-        instead, if this is unlikely to be chance.
+    `worlds` are numbers of each student's personal world by what they are. Yield the student's numbers, and whether
+    they are in the answer; then the worlds with which the answer agrees instead, if this is unlikely to be chance.
     """
     own = worlds.get(student, {})
     if not own:
@@ -109,21 +87,8 @@ def chance_of_agreement(
     The numbers of an unrelated answer are assumed to be distributed as the numbers of the worlds are, as normal
     variables: the difference of two has twice their covariance, and its density at zero times the tolerances is the
     probability of one coincidence. Each number of the answer that lies among the numbers of the worlds is one more
-    occasion for it.
-
-    Parameters
-    ----------
-    written : sequence of Written
-        The numbers of the answer.
-    agreeing : iterable of str
-        Names of the worlds with which it agrees.
-    worlds : mapping of str to (mapping of str to float)
-        Numbers of all worlds.
-
-    Returns
-    -------
-    float
-        0 to 1; 1 if there are too few worlds to estimate it.
+    occasion for it. `agreeing` are the worlds with which the answer agrees. The probability is 1 if there are too few
+    worlds to estimate it.
     """
     table = np.array([list(numbers.values()) for numbers in worlds.values()])
     count, dimensions = table.shape

@@ -57,18 +57,9 @@ _STYLE: Any = {
 
 @dataclass(frozen=True)
 class ExerciseSummary:
-    """How a class did in one exercise.
+    """The results of a class in one exercise, by number and name, and the numbers of submissions by result.
 
-    Parameters
-    ----------
-    title : str
-        Number and name.
-    points : float
-        What it is worth.
-    share : float
-        Mean share of its points that were earned, 0 to 1; of right ones, where it is worth nothing.
-    counts : dict of str to int
-        Submissions by their results.
+    `share` is the mean share of its points that were earned, 0 to 1, or the share of right ones if it is worth nothing.
     """
 
     title: str
@@ -79,19 +70,7 @@ class ExerciseSummary:
 
 @dataclass(frozen=True)
 class MistakeSummary:
-    """A mistake that the lesson's author foresaw, and how many of a class made it.
-
-    Parameters
-    ----------
-    title : str
-        Number and name of the exercise.
-    name : str
-        Of the mistake, as it was declared.
-    message : str
-        The message that the student got from the check.
-    many : int
-        Submissions.
-    """
+    """A declared mistake with its message to the student, and how many submissions of a class made it."""
 
     title: str
     name: str
@@ -100,20 +79,7 @@ class MistakeSummary:
 
 
 def write_report(journal: Journal, path: Path) -> Path:
-    """Write the page of a class.
-
-    Parameters
-    ----------
-    journal : Journal
-        Of the class.
-    path : Path
-        GRADES/report.html.
-
-    Returns
-    -------
-    Path
-        The page.
-    """
+    """Write the page of a class."""
     return write_whole(path, report_page(all_scores(journal)))
 
 
@@ -206,13 +172,7 @@ def _deducted(score: Score) -> str:
 
 
 def exercises_of(graded: Sequence[Score]) -> list[ExerciseSummary]:
-    """Return the results of a class for each exercise, in the lesson's order.
-
-    Parameters
-    ----------
-    graded : sequence of Score
-        Of one lesson; refused ones left out.
-    """
+    """Return the results of a class for each exercise, in the lesson's order. Refused submissions are left out."""
     by_name: dict[str, list[tuple[Score, ExerciseResult]]] = {}
     for score in graded:
         for each in score.result.exercises:
@@ -231,13 +191,7 @@ def _exercise(given: Sequence[tuple[Score, ExerciseResult]]) -> ExerciseSummary:
 
 
 def mistakes_of(graded: Sequence[Score]) -> list[MistakeSummary]:
-    """Count the mistakes that a class made, the most frequent first.
-
-    Parameters
-    ----------
-    graded : sequence of Score
-        Of one lesson; refused ones left out.
-    """
+    """Count the mistakes that a class made, the most frequent first. Refused submissions are left out."""
     made = Counter(
         (f"{each.number} {each.name}".strip(), each.mistake, each.hint)
         for score in graded

@@ -46,30 +46,11 @@ def wrong_answers(results: Iterable[SubmissionResult]) -> Wrong:
 def write_comment_sheets(
     journal: Journal, folder: Path, code_of: CodeOf, named: Callable[[str], str], lesson: str | None = None
 ) -> list[tuple[Path, int, int]]:
-    """Write a page and a table for each exercise with wrong answers.
+    """Write a page and a table for each exercise with wrong answers, with the comments that the journal has already.
 
-    Parameters
-    ----------
-    journal : Journal
-        Of the class; comments that it has already stand in the table.
-    folder : Path
-        GRADES/comments.
-    code_of : callable
-        Called with a result and an exercise; returns the student's code, or an empty text.
-    named : callable
-        Called with a student's name; returns how pages name the student.
-    lesson : str, optional
-        Whole name; all lessons by default.
-
-    Returns
-    -------
-    list of (Path, int, int)
-        The tables, with the number of kinds and of wrong answers in each.
-
-    Raises
-    ------
-    CommentsError
-        If a table that is there has comments that were not read in: nothing is written.
+    `folder` is GRADES/comments; `code_of` returns a student's code for an exercise, or an empty text, and `named` how
+    pages name a student. Return the tables, with the number of kinds and of wrong answers in each. If a table has
+    comments that were not read in, nothing is written and a CommentsError is raised.
     """
     wrong = wrong_answers(journal.each_result(lesson))
     every = journal.comments()
@@ -119,17 +100,8 @@ def is_comment_sheet(path: Path) -> bool:
 def read_comments(journal: Journal, path: Path) -> list[Comment]:
     """Read a table's comments into the journal, all or none of them; return what is new or changed.
 
-    Parameters
-    ----------
-    journal : Journal
-        Of the class.
-    path : Path
-        A table of `write_comment_sheets`, filled in. A row without a comment takes an earlier comment back.
-
-    Raises
-    ------
-    CommentsError, TableError
-        If anything in it is wrong; the message names the rows.
+    A row without a comment takes an earlier comment back. If anything is wrong, a CommentsError or TableError names the
+    rows.
     """
     wrong = wrong_answers(journal.each_result())
     known = {(fitting(kind[0]), fitting(kind[1]), fitting(kind[2])): kind for kind in wrong}

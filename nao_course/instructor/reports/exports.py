@@ -28,13 +28,7 @@ class ExportError(ValueError):
 
 
 def check_format(name: str) -> str:
-    """Return the name of a format.
-
-    Raises
-    ------
-    ExportError
-        If there is none of that name.
-    """
+    """Return the name of a format; raise an ExportError if there is none of that name."""
     if name in FORMATS:
         return name
     later = " nbgrader's gradebook comes in a later version." if name == "nbgrader" else ""
@@ -47,18 +41,8 @@ def check_format(name: str) -> str:
 def csv_table(made: Sequence[Score]) -> bytes:
     """Make a table with a row for each student and, lesson after lesson, a column for each exercise and question.
 
-    A written answer that nobody has marked is an empty cell. A name that a spreadsheet would take for a formula has
-    an apostrophe before it.
-
-    Parameters
-    ----------
-    made : sequence of Score
-        Of any students and lessons.
-
-    Returns
-    -------
-    bytes
-        CSV (RFC 4180).
+    A written answer that nobody has marked is an empty cell. A name that a spreadsheet would take for a formula has an
+    apostrophe before it. It is CSV by RFC 4180.
     """
     lessons = sorted({each.result.lesson for each in made})
     students = sorted({each.result.student for each in made})
@@ -126,17 +110,9 @@ def _notes(score: Score) -> list[str]:
 
 
 def gradescope_results(score: Score) -> dict[str, Any]:
-    """Make what Gradescope reads from results.json, as its autograder documentation specifies it.
+    """Make the content of Gradescope's results.json, as its autograder documentation specifies it.
 
-    Parameters
-    ----------
-    score : Score
-        Of a submission.
-
-    Returns
-    -------
-    dict
-        Ready for JSON. A written answer is a test once it is marked.
+    A written answer is a test once it is marked.
     """
     result = score.result
     tests = [_exercise_test(score, each) for each in result.exercises]

@@ -95,18 +95,9 @@ _TOLD_BY_TEXT = ("wrong", "raised", "changes its input", "not found")
 
 @dataclass(frozen=True)
 class Said:
-    """One thing that is said of an exercise.
+    """A remark on an exercise, untrusted: a state in a few words, plain text, code, or a box that stands out.
 
-    Parameters
-    ----------
-    kind : str
-        How it is shown: a state in a few words, plain text, code, or a box that stands out.
-    text : str
-        What is said; untrusted.
-    title : str
-        What stands above code or in a box.
-    colour : str
-        Of a state or box: good, warn, bad or calm.
+    The title is above code or in a box; the colour of a state or box is good, warn, bad or calm.
     """
 
     kind: Literal["state", "text", "code", "box"]
@@ -124,27 +115,10 @@ def write(
     comments: Comments | None = None,
     requests: Iterable[Request] = (),
 ) -> Path:
-    """Write a student's page.
+    """Write a student's page, GRADES/feedback/STUDENT/NN_name.html, and return its path.
 
-    Parameters
-    ----------
-    result : SubmissionResult
-        What the grader found.
-    folder : Path
-        GRADES/feedback; the page is STUDENT/NN_name.html in it.
-    overrides, marks : iterable of Override, Mark
-        What people said; only what belongs to this student and lesson counts.
-    policy : LatePolicy, optional
-        What late submissions lose.
-    comments : mapping, optional
-        Comments by lesson, exercise and kind of the wrong answer.
-    requests : iterable of Request
-        What students asked; only what belongs to this student and lesson counts.
-
-    Returns
-    -------
-    Path
-        The page.
+    Only overrides, marks and requests of this student and lesson count; comments are by lesson, exercise and kind of
+    the wrong answer.
     """
     path = folder / safe_name(result.student) / f"{safe_name(result.lesson)}.html"
     return write_whole(path, feedback_page(score(result, overrides, marks, policy, comments, requests)))
@@ -289,15 +263,7 @@ def _exercise(score: Score, exercise: ExerciseResult) -> Iterator[Markup]:
 
 
 def said_of(score: Score, exercise: ExerciseResult) -> Iterator[Said]:
-    """Return the result of an exercise in parts; the page and other exports show the same.
-
-    Parameters
-    ----------
-    score : Score
-        Of the submission.
-    exercise : ExerciseResult
-        One of its exercises.
-    """
+    """Return the result of an exercise in parts; the page and other exports show the same."""
     colour, short, meaning = _STATES[exercise.state]
     if exercise.with_reference and exercise.earned > 0:
         colour, short, meaning = "good", "Right, with our earlier functions", ""

@@ -110,10 +110,8 @@ Content = str | None  # None is left out
 
 
 def visible(text: str) -> str:
-    r"""Make what cannot be seen seen: control characters, direction overrides, halves of characters.
+    r"""Replace invisible characters by their code points: control characters, bidirectional overrides, lone surrogates.
 
-    Examples
-    --------
     >>> visible("a\u202eb")
     'a⟨U+202E⟩b'
     """
@@ -127,14 +125,7 @@ def visible(text: str) -> str:
 def element(tag: str, *content: Content, **attributes: str) -> Markup:
     """Make an element; content that is not Markup is escaped.
 
-    Parameters
-    ----------
-    tag : str
-        Its name.
-    content : str, Markup or None
-        What stands in it, one after the other.
-    attributes : str
-        By name; a trailing underscore is dropped ("class_"), others become hyphens.
+    A trailing underscore of an attribute is dropped ("class_"), others become hyphens.
     """
     words = "".join(
         f' {name.rstrip("_").replace("_", "-")}="{escape(visible(value))}"'
@@ -165,8 +156,6 @@ def prose(text: str) -> Markup:
 def markdown(text: str) -> Markup:
     """Return an author's text with parts in `backticks` set as code and parts in *asterisks* emphasised.
 
-    Examples
-    --------
     >>> markdown("2 * 3 *or* `a*b*c`")
     '2 * 3 <em>or</em> <code>a*b*c</code>'
     """
@@ -202,17 +191,7 @@ def bar(got: float, waiting: float, whole: float) -> Markup:
 
 
 def page(title: str, *content: Content, wide: bool = False) -> str:
-    """Make a whole page.
-
-    Parameters
-    ----------
-    title : str
-        For the window.
-    content : str, Markup or None
-        What stands in it.
-    wide : bool
-        Whether it may be wider than a text that is read.
-    """
+    """Make a whole page. The title is the window's; a `wide` page may be wider than a text that is read."""
     head = (
         element("meta", charset="utf-8"),
         Markup(f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'),

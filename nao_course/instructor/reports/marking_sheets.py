@@ -47,15 +47,9 @@ class MarksError(ValueError):
 
 @dataclass(frozen=True)
 class Sheet:
-    """What was written for one question.
+    """A table to fill in, and a page to read, of the answers to one question, and how many of them nobody has marked.
 
-    Parameters
-    ----------
-    table, page : Path
-        To fill in, and to read.
-    answers, open : int
-        How many answers there are, and how many of them nobody has marked. Empty answers do not count: they have 0
-        points and no row.
+    Empty answers do not count: they have 0 points and no row.
     """
 
     table: Path
@@ -66,17 +60,9 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Taken:
-    """What was read from a file.
+    """The number of marks in a file, the marks that are new or changed, and the answers that nobody has marked yet.
 
-    Parameters
-    ----------
-    read : int
-        Marks in the file.
-    changed : tuple of Mark
-        Marks that are new or changed.
-    open : tuple of (str, str)
-        Student, as the file names students, and question, of the answers to the file's questions that nobody has
-        marked yet.
+    `open` has student, as the file names students, and question.
     """
 
     read: int
@@ -129,31 +115,13 @@ def no_numbers(lesson: str, question: str, student: str) -> Mapping[str, float]:
 def write_sheets(
     journal: Journal, folder: Path, code: Code, *, anonymous: bool = False, numbers: Numbers = no_numbers
 ) -> list[Sheet]:
-    """Write a table and a page for each written question; marks already given stand in them.
+    """Write a table and a page for each written question, in the order of lessons and questions, with the marks so far.
 
-    Parameters
-    ----------
-    journal : Journal
-        Of the class.
-    folder : Path
-        GRADES/marking.
-    code : callable
-        Returns a student's code, such as `secret.student_code` with the instructor's secret.
-    anonymous : bool
-        Whether students are named by their codes, and ordered by them. `read_marks` finds the students.
-    numbers : callable
-        ``numbers(lesson, question, student)`` returns the numbers of the student's personal world by what they are. The
-        page shows whether they are in the answer. With an empty name it returns the numbers of the course's example.
-
-    Returns
-    -------
-    list of Sheet
-        In the order of lessons and questions.
-
-    Raises
-    ------
-    MarksError
-        If a table that is there has marks that were not read in: nothing is written.
+    `folder` is GRADES/marking, and `code` returns a student's code, such as `secret.student_code` with the instructor's
+    secret. With `anonymous`, students are named by their codes, and ordered by them; `read_marks` finds the students.
+    ``numbers(lesson, question, student)`` returns the numbers of the student's personal world by what they are, and
+    with an empty name the numbers of the course's example; the page shows whether they are in the answer. If a table
+    has marks that were not read in, nothing is written and a MarksError is raised.
     """
     answers = _answers(journal, code)
     questions: dict[tuple[str, str], list[_Answer]] = defaultdict(list)
@@ -254,24 +222,8 @@ def _refuse_to_lose(path: Path, known: Mapping[Key, _Answer]) -> None:
 def read_marks(journal: Journal, path: Path, code: Code) -> Taken:
     """Read a table's marks into the journal, all or none of them.
 
-    Parameters
-    ----------
-    journal : Journal
-        Of the class.
-    path : Path
-        A table of `write_sheets`, filled in and saved by any spreadsheet. An answer without points stays as it is.
-    code : callable
-        As in `write_sheets`; a row may have the code instead of the name.
-
-    Returns
-    -------
-    Taken
-        What was read.
-
-    Raises
-    ------
-    MarksError, TableError
-        If anything in it is wrong; the message names the rows.
+    An answer without points stays as it is, and a row may have the code, as in `write_sheets`, instead of the name. If
+    anything is wrong, a MarksError or TableError names the rows.
     """
     if not path.is_file():
         raise MarksError(

@@ -42,18 +42,10 @@ _TEST_STUDENT = "student, test"  # a row of Canvas's own
 
 @dataclass(frozen=True)
 class FilledSheet:
-    """A platform's sheet with points in it, and what did not fit.
+    """A platform's sheet, CSV, to be uploaded, with the number of rows that got points, and what did not fit.
 
-    Parameters
-    ----------
-    table : bytes
-        CSV, to be uploaded.
-    filled : int
-        Rows that got points.
-    without_row : tuple of str
-        Students who were graded and have no row in the sheet, or share their number with another one.
-    without_grade : tuple of str
-        Rows of people who have not been graded; they are as they were.
+    `without_row` are students who were graded and have no row, or share their number with another student;
+    `without_grade` are unchanged rows of people who have not been graded.
     """
 
     table: bytes
@@ -228,22 +220,10 @@ def _number_of(student: str) -> str:
 def feedback_zip(
     platform: str, pages: Iterable[tuple[SubmissionResult, bytes]]
 ) -> tuple[bytes, tuple[str, ...]]:
-    """Make the zip of feedback pages that a platform takes, with the names of its own download.
+    """Make the zip of feedback pages with the names of a platform's own download, the same for the same pages.
 
-    Parameters
-    ----------
-    platform : str
-        One of `PLATFORMS`. Moodle finds a student by the folder's name. Canvas finds student and submission by the
-        two numbers in the name of the file that counted.
-    pages : iterable of (SubmissionResult, bytes)
-        Results with their feedback pages.
-
-    Returns
-    -------
-    archive : bytes
-        A zip, the same bytes for the same pages.
-    left_out : tuple of str
-        Students whose names, or files with Canvas, are not the platform's.
+    Moodle finds a student by the folder's name; Canvas finds student and submission by the two numbers in the name of
+    the file that counted. The second result has the students whose names, or files with Canvas, are not the platform's.
     """
     files, left_out = {}, []
     for result, content in pages:

@@ -16,10 +16,7 @@ LONGEST = 30_000  # characters of a cell; spreadsheets hold 32,767
 def table(rows: Iterable[Sequence[str | float | None]]) -> bytes:
     """Make a CSV file (RFC 4180), in UTF-8 with the byte order mark that spreadsheets know it by.
 
-    Parameters
-    ----------
-    rows : iterable of sequence
-        Text that would be a formula is escaped; numbers are written as they are, None as an empty cell.
+    Text that would be a formula is escaped; numbers are written as they are, None as an empty cell.
     """
     text = io.StringIO()
     csv.writer(text, lineterminator="\r\n").writerows([[_cell(each) for each in row] for row in rows])

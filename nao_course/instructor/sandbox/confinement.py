@@ -34,19 +34,10 @@ INSTRUCTORS = ("instructor", "cli")  # modules of this package that a student's 
 class Bounds:
     """How much one worker may use.
 
-    Parameters
-    ----------
-    memory : int
-        Bytes: of what each process may map to write to, beyond what the server itself has (with what it shares or only
-        reserves, twice that), and, where there is a PID namespace, of what all its processes hold together.
-    processes : int
-        Processes and threads.
-    scratch : int
-        Bytes of all files, where there is a mount namespace; of each file elsewhere.
-    files : int
-        Open files of each process.
-    cpu_seconds : int
-        Of each process.
+    `memory`, in bytes, limits what each process may map to write to, beyond what the server itself has (with what it
+    shares or only reserves, twice that), and, where there is a PID namespace, what all its processes hold together.
+    `processes` counts threads, too; `scratch`, in bytes, is of all files, where there is a mount namespace, and of each
+    file elsewhere; `files` are open files of each process, as are `cpu_seconds`.
     """
 
     memory: int = 2 * 2**30
@@ -95,22 +86,10 @@ def _links(path: str) -> Iterator[tuple[str, str]]:
 
 
 def enter_namespaces(on: Collection[str]) -> list[int]:
-    """Move this process, which has one thread, and its children into new namespaces.
+    """Move this process, which has one thread, and its children into the new namespaces of some layers.
 
-    Parameters
-    ----------
-    on : collection of str
-        Names of layers.
-
-    Returns
-    -------
-    list of int
-        Unprivileged users that its children may become; empty where they are one already.
-
-    Raises
-    ------
-    OSError
-        If the kernel refuses.
+    Return unprivileged users that its children may become, none if they are one already. Raise an OSError if the kernel
+    refuses.
     """
     with contextlib.suppress(OSError):  # a system that refuses keyrings refuses them to an attack, too
         linux.close_keyring()
@@ -226,19 +205,7 @@ def _bind(source: int, target: str, *, device: bool) -> None:
 
 @dataclass(frozen=True)
 class Confinement:
-    """What a server has made ready for its workers.
-
-    Parameters
-    ----------
-    on : frozenset of str
-        Layers that work.
-    paths : tuple of str
-        What may be read.
-    program : bytes
-        The seccomp filter.
-    bounds : Bounds
-        How much a worker may use.
-    """
+    """Layers that a server has prepared for its workers: readable paths, the seccomp filter, and limits."""
 
     on: frozenset[str]
     paths: tuple[str, ...] = ()
@@ -246,19 +213,10 @@ class Confinement:
     bounds: Bounds = field(default_factory=Bounds)
 
     def enter(self, user: int | None, folder: str) -> None:
-        """Confine this process, just forked, for good.
+        """Confine this process, just forked, for good: it becomes a user, unless None, and writes to one folder only.
 
-        Parameters
-        ----------
-        user : int or None
-            Whom to become; None where it stays who it is.
-        folder : str
-            The only one it may write to; it becomes the working folder.
-
-        Raises
-        ------
-        OSError
-            If the kernel refuses: nothing of a student's may run.
+        The folder becomes the working folder. Nothing of a student's may run if the kernel refuses, which raises an
+        OSError.
         """
         Path("/proc/self/oom_score_adj").write_text("1000")
         flags = linux.CLONE_NEWNS if "mount namespace" in self.on else 0

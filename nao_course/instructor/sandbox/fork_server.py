@@ -156,18 +156,8 @@ class ForkedWorker:
 class ForkServer:
     """Forks, watches and ends workers as the grader asks.
 
-    Parameters
-    ----------
-    control : socket
-        To the grader.
-    confinement : Confinement
-        What closes around each worker.
-    users : list of int
-        Unprivileged users that workers become in turn.
-    folder : str
-        Where workers have their folders, if they have no mounts of their own.
-    factory : NamespaceFactory, optional
-        Where there are PID namespaces.
+    `control` is the socket to the grader, `users` are unprivileged users that workers become in turn, and `folder` has
+    the folders of workers without mounts of their own. There is a factory where there are PID namespaces.
     """
 
     def __init__(

@@ -21,30 +21,9 @@ def without_outputs(
 ) -> bytes:
     """Return a notebook without its outputs; a confined process parses it, and runs none of its code.
 
-    Parameters
-    ----------
-    name : str
-        Name of the file, for the reason if it is not a notebook.
-    size : int
-        Its size in bytes.
-    parts : iterable of bytes
-        Its content, so that it is never in the grader's memory as a whole.
-    server : WarmServer, optional
-        Whose sandbox confines the process.
-    allowance : Allowance
-        For the time that it takes.
-
-    Returns
-    -------
-    bytes
-        What `definitions.without_outputs` returns.
-
-    Raises
-    ------
-    Ended
-        If it is not a notebook, takes too long or ends the process.
-    SandboxError, ServerEnded
-        As `start_process`.
+    The content comes in parts, so that it is never in the grader's memory as a whole; the result is as of
+    `definitions.without_outputs`. Raise Ended if it is not a notebook, takes too long or ends the process, and a
+    SandboxError or ServerEnded as `start_process` does.
     """
     with _one_at_a_time:
         channel = start_process(server, Path(tempfile.gettempdir()))

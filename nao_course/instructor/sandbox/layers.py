@@ -48,17 +48,7 @@ def check_level(level: str) -> None:
 
 @dataclass(frozen=True)
 class Layer:
-    """One thing that holds a student's code back.
-
-    Parameters
-    ----------
-    name : str
-        Such as "landlock".
-    on : bool
-        Whether it works here.
-    detail : str
-        What it does, or why it is not there.
-    """
+    """A protection, such as "landlock", against a student's code; `detail` says what it does, or why it is off."""
 
     name: str
     on: bool
@@ -67,13 +57,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class Sandbox:
-    """The layers that work on this machine.
-
-    Parameters
-    ----------
-    layers : tuple of Layer
-        All that there are, on or off.
-    """
+    """The layers of this machine, on or off."""
 
     layers: tuple[Layer, ...]
 
@@ -88,15 +72,7 @@ class Sandbox:
         return [level for level in LEVELS if self.on.issuperset(_NEEDS[level])][-1]
 
     def require(self, level: str) -> None:
-        """Refuse to go on below a level.
-
-        Raises
-        ------
-        ValueError
-            If there is no such level.
-        SandboxError
-            If a layer of it is missing; the message says which and why.
-        """
+        """Raise a SandboxError that says which layer of a level is missing and why; for no such level, a ValueError."""
         check_level(level)
         missing = [layer for layer in self.layers if not layer.on and layer.name in _NEEDS[level]]
         if missing:
@@ -119,10 +95,7 @@ class Sandbox:
 def probe() -> Sandbox:
     """Try every layer, each in a process that is thrown away.
 
-    Returns
-    -------
-    Sandbox
-        What works here; off Linux, no more than processes with limits.
+    Off Linux, there are no more than processes with limits.
     """
     layers = [
         Layer("own process", True, "killed with all its group when its time is up"),

@@ -152,13 +152,7 @@ def load_filter(program: bytes) -> None:
 
 
 def landlock_version() -> int:
-    """Return the version of Landlock that the kernel offers.
-
-    Raises
-    ------
-    OSError
-        If none.
-    """
+    """Return the version of Landlock that the kernel offers; raise an OSError if it offers none."""
     result = _libc.syscall(ctypes.c_long(_SYS_LANDLOCK[0]), None, ctypes.c_size_t(0), ctypes.c_uint(1))
     return _checked(result, "landlock")
 
@@ -166,12 +160,8 @@ def landlock_version() -> int:
 def landlock(allowed: Iterable[tuple[str, int]], everything: Iterable[str] = ()) -> None:
     """Deny this process, for good, all files but some, TCP, and signals and abstract sockets to others.
 
-    Parameters
-    ----------
-    allowed : iterable of (str, int)
-        Paths, and rights to all beneath each; such as FS_READ.
-    everything : iterable of str
-        Folders beneath which everything is allowed.
+    `allowed` are paths with rights to all beneath each, such as FS_READ; beneath the folders in `everything`, all is
+    allowed.
     """
     abi = landlock_version()
     rights = (1 << max(many for since, many in _FS_BY_ABI.items() if since <= abi)) - 1

@@ -28,17 +28,8 @@ _KEPT = ("SYSTEMROOT", "TEMP", "TMP", "TMPDIR", "NAO_COURSE_DATA")  # of the env
 def start_process(server: WarmServer | None, folder: Path) -> Channel:
     """Start a worker's process: a confined one of a server, or without a server one for trusted code.
 
-    Parameters
-    ----------
-    server : WarmServer, optional
-        Whose sandbox confines the process.
-    folder : Path
-        Working folder of a process for trusted code; the others have a folder of their own.
-
-    Raises
-    ------
-    SandboxError, ServerEnded
-        As `WarmServer.fork`.
+    A process for trusted code works in `folder`; the others have a folder of their own. Raise a SandboxError or
+    ServerEnded as `WarmServer.fork` does.
     """
     if server is None:
         return _OwnProcess(folder)
@@ -48,15 +39,7 @@ def start_process(server: WarmServer | None, folder: Path) -> Channel:
 
 
 def wait_until_ready(channel: Channel) -> None:
-    """Wait until a worker's process is ready and confined.
-
-    Raises
-    ------
-    SandboxError
-        If it could not be confined.
-    Ended
-        If it gives no answer.
-    """
+    """Wait until a worker's process is ready; raise a SandboxError if it is not confined, and Ended if it is silent."""
     match channel.receive():
         case "ready":
             pass

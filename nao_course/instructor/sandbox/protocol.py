@@ -51,18 +51,9 @@ _KEPT = ("PYTHONPATH", "PATH", "LD_LIBRARY_PATH")
 
 @dataclass(frozen=True)
 class EarlierNotebook:
-    """A notebook of an earlier lesson, whose functions a later one uses.
+    """A notebook of an earlier lesson, such as "01_hsl_filtering", that a later one uses, with its helpers by name.
 
-    Parameters
-    ----------
-    lesson : str
-        Such as "01_hsl_filtering".
-    content : bytes
-        The notebook.
-    helpers : mapping of str to bytes
-        Python files beside it, by name.
-    setup : str
-        Source of that lesson's released set-up cell.
+    `setup` is the source of that lesson's released set-up cell.
     """
 
     lesson: str
@@ -89,12 +80,7 @@ class ServerEnded(RuntimeError):  # noqa: N818 - no error of the submission: it 
 class Ended(Exception):  # noqa: N818 - no error: students' processes end
     """A worker gave no answer that can be used.
 
-    Parameters
-    ----------
-    status : str
-        "timed out", "died", or "not found" where there is no notebook to load.
-    text : str
-        How it ended.
+    The status is "timed out", "died", or "not found" without a notebook to load; the text says how it ended.
     """
 
     def __init__(self, status: Status, text: str) -> None:
@@ -106,18 +92,8 @@ class Ended(Exception):  # noqa: N818 - no error: students' processes end
 class Allowance:
     """Time that the code of one purpose may take, in seconds.
 
-    Parameters
-    ----------
-    seconds : float
-        Time of its own.
-    common : Allowance, optional
-        Time that it shares with others, which is used when its own is used up.
-    reason : str
-        Text of the outcome when all is used up.
-    spent : float
-        Time of its own that is used.
-    total : float
-        All time that is used.
+    When its own time is used up, it uses the common one, which it shares with others; `reason` is the outcome's text
+    when all is used up. `spent` is the part of its own time that is used, and `total` all time that is used.
     """
 
     seconds: float = SECONDS_IN_ALL
@@ -127,13 +103,7 @@ class Allowance:
     total: float = 0.0
 
     def left(self, most: float = math.inf) -> float:
-        """Return the seconds that may still be used, at most the given number.
-
-        Raises
-        ------
-        Ended
-            If there are none.
-        """
+        """Return the seconds that may still be used, at most the given number; raise Ended if there are none."""
         left = self.seconds - self.spent
         if self.common:
             left += self.common.seconds - self.common.spent
@@ -155,14 +125,8 @@ class Channel:
 
     Its clock counts the time in which the worker runs or sleeps. Where the kernel says how long a process has waited
     for a processor (Linux), that time is not counted, so that a busy machine takes no time from a student's code. It is
-    counted from MOST_WAITING times the limit on, because no worker may last for ever.
-
-    Parameters
-    ----------
-    requests, replies : int
-        Descriptors to write to and to read from.
-    schedule : int, optional
-        Descriptor of the process's file "schedstat", which is closed with the channel.
+    counted from MOST_WAITING times the limit on, because no worker may last for ever. `requests` and `replies` are
+    descriptors to write to and to read from; `schedule`, of the process's file "schedstat", is closed with the channel.
     """
 
     def __init__(self, requests: int, replies: int, schedule: int | None = None) -> None:

@@ -61,10 +61,7 @@ _LATER = range(453, 560)
 def seccomp_program(on: Collection[str]) -> bytes:
     """Compile the filter of system calls for a worker behind some layers; libseccomp is needed.
 
-    Raises
-    ------
-    ImportError, OSError, RuntimeError
-        If there is no pyseccomp, or no libseccomp.
+    Raise an ImportError, OSError or RuntimeError without pyseccomp or libseccomp.
     """
     import pyseccomp
 

@@ -25,18 +25,9 @@ _SECONDS_TO_END = 2.0
 
 @dataclass(frozen=True)
 class Fork:
-    """A worker of a warm server.
+    """A worker of a warm server, by its number and the generation of the server, with the grader's end of the channel.
 
-    Parameters
-    ----------
-    number : int
-        The server's name for it.
-    generation : int
-        Which start of the server it belongs to.
-    socket : socket
-        The grader's end of the worker's channel.
-    schedule : int, optional
-        Descriptor of its process's file "schedstat".
+    `schedule` is the descriptor of its process's file "schedstat".
     """
 
     number: int
@@ -49,18 +40,9 @@ class Fork:
 class WarmServer:
     """The grader's side of the server: one for all threads, started again when it died.
 
-    Parameters
-    ----------
-    sandbox : Sandbox
-        Whose layers close around each worker; a worker that lacks one does not start.
-    bounds : Bounds
-        How much each worker may use.
-    warm : bool
-        Whether the server imports what lessons use before it forks: workers start as fast without, but import it
-        themselves. Trying the sandbox needs none of it.
+    A worker that lacks one of the sandbox's layers does not start. A `warm` server imports what lessons use before it
+    forks: workers start as fast without, but import it themselves. Trying the sandbox needs none of it.
 
-    Examples
-    --------
     ::
 
         with WarmServer(probe()) as server, Worker(notebook, server=server) as worker:
@@ -106,12 +88,8 @@ class WarmServer:
     def fork(self) -> Fork:
         """Start a worker.
 
-        Raises
-        ------
-        SandboxError
-            If the server or a worker cannot be confined as it was when it was tried.
-        ServerEnded
-            If the server died meanwhile.
+        Raise a SandboxError if the server or a worker cannot be confined as it was when it was tried, and ServerEnded
+        if the server died meanwhile.
         """
         ours, theirs = socket.socketpair()
         with self._lock, theirs:
@@ -129,10 +107,7 @@ class WarmServer:
     def end(self, fork: Fork) -> str:
         """End a worker with all its processes, and say how it ended.
 
-        Raises
-        ------
-        ServerEnded
-            If its server has ended, and the worker with it.
+        Raise ServerEnded if its server has ended, and the worker with it.
         """
         fork.socket.close()
         with self._lock:

@@ -48,20 +48,10 @@ _SAID = ("value", "not attempted", "raised", "interrupted", "unsendable")  # all
 
 @dataclass(frozen=True)
 class Found:
-    """What a worker found in its notebook.
+    """The functions and classes in a worker's notebook, statements that did not run, and written answers by cell name.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Functions and classes that it defines.
-    skipped : tuple of Skipped
-        Statements that did not run.
-    written : mapping of str to str
-        Written answers by the name of their cell.
-    lesson, version, python : str
-        What the notebook says it is a copy of, and which Python it was written with.
-    remarks : mapping of str to tuple of str
-        What is unusual about the cells of an exercise or question, by its name.
+    `lesson`, `version` and `python` are what the notebook says it is a copy of, and which Python it was written with.
+    `remarks` say what is unusual about the cells of an exercise or question, by its name.
     """
 
     names: tuple[str, ...] = ()
@@ -77,39 +67,16 @@ class Found:
 class Worker:
     """A notebook's functions, in a process that starts when it is needed, and again after it had to be killed.
 
-    Parameters
-    ----------
-    notebook : Path
-        Whose functions are called.
-    overrides : mapping of str to str
-        Source of functions that take the place of the notebook's; may be changed between calls.
-    seconds : float
-        Time for loading the notebook, and for each call, in which the worker runs or sleeps.
-    server : WarmServer, optional
-        Whose sandboxed workers it runs in; they see copies of notebook and helpers in a folder of their own. Without
-        one, for notebooks that are trusted, it is a new Python with the notebook's folder as its working folder.
-    setup : str
-        Source of a set-up cell whose imports run before the notebook.
-    helpers : sequence of Path
-        Python files handed in beside the notebook.
-    earlier : sequence of EarlierNotebook
-        Notebooks of earlier lessons, in their order, whose functions the notebook uses.
-    instead : mapping of str to str
-        Source of classes that take the place of the notebook's while it is loaded.
-    allowance : Allowance
-        For its calls; may be changed between them.
-    loading : Allowance, optional
-        For loading the notebook, if that has an allowance of its own: every time that a process has to be started.
+    `overrides`, sources of functions that replace the notebook's, and `allowance`, for its calls, may be changed
+    between calls. `seconds` limit loading the notebook, and each call, in which the worker runs or sleeps. Workers of
+    the server see copies of notebook and `helpers`, Python files handed in beside it, in a folder of their own; without
+    a server, for notebooks that are trusted, the worker is a new Python with the notebook's folder as its working
+    folder. The imports of `setup`, a cell's source, run before the notebook. `earlier` are the notebooks of earlier
+    lessons, in their order, whose functions it uses, and `instead` sources of classes that replace the notebook's while
+    it is loaded. `loading` is an allowance for every time that a process has to be started. `call` and `definitions`
+    raise a SandboxError if a worker could not be confined, and ServerEnded if the warm server died: grade the
+    submission again.
 
-    Raises
-    ------
-    SandboxError
-        From `call` and `definitions`, if a worker could not be confined.
-    ServerEnded
-        From the same, if the warm server died: grade the submission again.
-
-    Examples
-    --------
     ::
 
         with Worker(Path("solutions/01_hsl_filtering.ipynb")) as worker:
@@ -188,32 +155,16 @@ class Worker:
     def stand_in(self, answers: Mapping[str, Callable[[tuple[Any, ...], dict[str, Any]], Outcome]]) -> None:
         """Replace functions of the notebook, and "01:earlier" ones, by stubs that request their answers here.
 
-        Parameters
-        ----------
-        answers : mapping of str to callable
-            Called with the arguments that came from the worker, and keyword arguments; its outcome goes there. Its time
-            is not the student's. An empty mapping ends it.
+        They are called with the arguments and keyword arguments that came from the worker, and their outcome goes
+        there; their time is not the student's. An empty mapping ends it.
         """
         self._lent = dict(answers)
 
     def call(self, name: str, case: Case, driver: str = "", seconds: float | None = None) -> Outcome:
         """Call a function or class.
 
-        Parameters
-        ----------
-        name : str
-            Of what the notebook defines.
-        case : Case
-            Its inputs; what is expected of it stays here.
-        driver : str
-            As in `running.call`.
-        seconds : float, optional
-            Time limit of this call in place of the worker's.
-
-        Returns
-        -------
-        Outcome
-            Whatever the student's code does.
+        The case's expected answer stays here; the driver is as in `running.call`, and `seconds` limit this call in
+        place of the worker's limit. There is an outcome whatever the student's code does.
         """
         self._calls += 1
         question = encode(("call", self._calls, name, driver)) + case.frame

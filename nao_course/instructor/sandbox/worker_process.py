@@ -396,16 +396,10 @@ class AuditHook:
 def answer_calls(
     requests: int, replies: int, paths: tuple[str, ...] | None = None, *, private: bool = True
 ) -> NoReturn:
-    """Run a worker.
+    """Process requests until the channel closes, whose descriptors are given.
 
-    Parameters
-    ----------
-    requests, replies : int
-        Descriptors to read from and write to.
-    paths : tuple of str, optional
-        Paths that its code may read. Access to others is reported.
-    private : bool
-        Whether the working folder is its own, and thrown away.
+    Access of its code to other than these paths is reported. A `private` working folder is its own, and is deleted
+    later.
     """
     _same_everywhere()
     sys.path.append(os.getcwd())  # files of the student's own, behind the library's

@@ -233,26 +233,10 @@ TEXT = "lesson.md"  # beside this module: the text of a new lesson
 
 
 def add_lesson(course: Course, number: str, name: str) -> list[Path]:
-    """Begin a lesson.
+    """Begin a lesson with two digits that no lesson has, and a name of lower-case words with underscores.
 
-    Parameters
-    ----------
-    course : Course
-        Where.
-    number : str
-        Two digits that no lesson has.
-    name : str
-        Lower-case words with underscores.
-
-    Returns
-    -------
-    list of Path
-        The text, the declaration, and the test of its equations.
-
-    Raises
-    ------
-    LessonError
-        If number or name cannot be used.
+    Return the text, the declaration, and the test of its equations. Raise a LessonError if number or name cannot be
+    used.
     """
     if not re.fullmatch(r"\d\d", number) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise LessonError(
@@ -310,26 +294,8 @@ def _plan(constants: Sequence[str]) -> str:
 def add_exercise(course: Course, lesson: str, name: str, *, a_class: bool = False) -> list[Path]:
     """Add an exercise to a lesson: its declaration as the last, and its cells behind the last check.
 
-    Parameters
-    ----------
-    course : Course
-        Where.
-    lesson : str
-        Number or name.
-    name : str
-        Of the function or class; unique in the course.
-    a_class : bool
-        Whether the student writes a class.
-
-    Returns
-    -------
-    list of Path
-        The two files that changed.
-
-    Raises
-    ------
-    LessonError
-        If the name cannot be used, or the declaration has no list to add it to.
+    The name, of a function or class, is unique in the course. Return the two files that changed. Raise a LessonError if
+    the name cannot be used, or the declaration has no list to add it to.
     """
     (stem,) = course.names([lesson])
     if a_class and not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name):

@@ -27,21 +27,8 @@ _MOST_PLACES = 3  # of hidden code that are named
 def find_similar(console: Console, path: Path, lessons: Sequence[str], out: Path) -> Iterator[str]:
     """Write the page of similar notebooks; yield what to say about it.
 
-    Parameters
-    ----------
-    console : Console
-        For the progress bar.
-    path : Path
-        A folder of submissions, or the zip of a learning platform: what `nao-course grade` takes.
-    lessons : sequence of str
-        Numbers or names; all lessons that were handed in by default.
-    out : Path
-        Folder for the page.
-
-    Raises
-    ------
-    ValueError
-        If there are not two notebooks of a lesson.
+    `path` is what `nao-course grade` accepts; by default all lessons are compared. Raise a ValueError if there are not
+    two notebooks of a lesson.
     """
     course = load_course()
     with scratch_folder() as scratch, Progress(console=console, transient=True) as progress:

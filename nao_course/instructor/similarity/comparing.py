@@ -35,15 +35,7 @@ Passages = list[tuple[int, int]]
 
 @dataclass(frozen=True)
 class Work:
-    """A student's own code in a lesson.
-
-    Parameters
-    ----------
-    student : str
-        Name of the student.
-    cells : tuple of str
-        The code, by cell or file: fingerprints do not reach from one into the next.
-    """
+    """A student's own code in a lesson, by cell or file: fingerprints do not reach from one into the next."""
 
     student: str
     cells: tuple[str, ...]
@@ -56,21 +48,12 @@ class Work:
 
 @dataclass(frozen=True)
 class SimilarPair:
-    """Two students whose own code is similar.
+    """Two students, in the order of their names, whose own code is similar.
 
-    Parameters
-    ----------
-    first, second : Work
-        Their work, in the order of their names.
-    shares : tuple of float
-        For each of the two, the share of its fingerprints that the other one has too, 0 to 1.
-    shared : int
-        Number of the fingerprints that both have.
-    passages : tuple of list of (int, int)
-        For each of the two, start and end of the passages in its `code` that the other one has too; empty after the
-        first MOST_SHOWN pairs.
-    group : int
-        Number of students in the group of the two, whose notebooks are similar to each other on average.
+    `shares` are the shares, 0 to 1, of each one's fingerprints that the other has too, and `shared` is the number of
+    the fingerprints that both have. `passages` are, for each, start and end of the common passages in its `code`, empty
+    after the first MOST_SHOWN pairs. `group` is the number of students in the group of the two, whose notebooks are
+    similar to each other on average.
     """
 
     first: Work
@@ -83,16 +66,10 @@ class SimilarPair:
 
 @dataclass(frozen=True)
 class CommonCode:
-    """Notebooks that consist to a large part of the same common code.
+    """Notebooks, in the order of their names, that consist to a large part of the same common code.
 
-    Parameters
-    ----------
-    works : tuple of Work
-        Their work, in the order of their names.
-    shares : tuple of float
-        For each, the share of its fingerprints that are common, 0 to 1.
-    passages : list of (int, int)
-        Start and end of the common passages in the `code` of the first one.
+    `shares` are the shares, 0 to 1, of each one's fingerprints that are common; `passages` are start and end of the
+    common passages in the `code` of the first one.
     """
 
     works: tuple[Work, ...]
@@ -102,16 +79,9 @@ class CommonCode:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What the notebooks of a lesson have in common.
+    """The similarities among the notebooks of a lesson: pairs, the most similar first, and common code.
 
-    Parameters
-    ----------
-    compared : int
-        Number of notebooks.
-    pairs : sequence of SimilarPair
-        The most similar pair first.
-    common : sequence of CommonCode
-        Notebooks whose common code was taken out before the pairs were compared, the largest group first.
+    The common code in `common`, the largest group first, was removed before the pairs were compared.
     """
 
     compared: int
@@ -154,20 +124,11 @@ def fingerprints(code: str) -> set[int]:
 
 
 def compare(works: Iterable[Work], known: Iterable[str]) -> Comparison:
-    """Compare all pairs of students in one lesson.
+    """Compare all pairs of students, each with at most one work, in one lesson.
 
-    Parameters
-    ----------
-    works : iterable of Work
-        At most one of each student.
-    known : iterable of str
-        Code that students may have in common: the release's and right answers.
-
-    Returns
-    -------
-    Comparison
-        The pairs with at least LEAST_SHARED fingerprints and LEAST_SHARE of one of the two in common, and the notebooks
-        of which at least as much is common code.
+    `known` is code that students may have in common: the release's and right answers. Return the pairs with at least
+    LEAST_SHARED fingerprints and LEAST_SHARE of one of the two in common, and the notebooks of which at least as much
+    is common code.
     """
     expected = np.fromiter(set[int]().union(*map(fingerprints, known)), np.int64)
     ordered = sorted((_bounded(each) for each in works), key=lambda each: each.student)

@@ -25,20 +25,9 @@ def given_code(course: Course, lesson: str) -> list[str]:
 
 
 def right_answers(course: Course, lesson: str) -> dict[str, list[str]]:
-    """Return the code of a lesson's known right answers.
+    """Return the reference solution of each exercise of a lesson, then the alternatives in the declaration's order.
 
-    Parameters
-    ----------
-    course : Course
-        With the lesson's text and declaration.
-    lesson : str
-        Whole name.
-
-    Returns
-    -------
-    dict of str to list of str
-        For each exercise, the reference solution, and then the alternatives in the order of the declaration. Code that
-        several alternatives of a declaration share, such as a function that adapts them, is in none of them.
+    Code that several alternatives of a declaration share, such as a function that adapts them, is in none of them.
     """
     notebook = lesson_text.read_lesson(course.text(lesson))
     answers = {
@@ -54,8 +43,6 @@ def right_answers(course: Course, lesson: str) -> dict[str, list[str]]:
 def alternatives(declaration: str) -> dict[str, list[str]]:
     r"""Return the code of the alternatives in a declaration's text, by exercise.
 
-    Examples
-    --------
     >>> text = '''
     ... def _loop(x):
     ...     return sum(x)

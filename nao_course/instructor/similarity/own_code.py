@@ -25,14 +25,9 @@ _MOST_STEPS = 100_000  # for the texts of one notebook
 
 @dataclass(frozen=True)
 class OwnCode:
-    """The code that a student wrote.
+    """The code that a student wrote: exercises, added cells, helper files, and their texts for exec, eval or compile.
 
-    Parameters
-    ----------
-    cells : tuple of str
-        Exercises, cells that were added, helper files, and the texts that one of these gives to exec, eval or compile.
-    hidden : tuple of str
-        Places of code that is made while the notebook runs, so that it cannot be read here.
+    `hidden` are places of code that is made while the notebook runs, so that it cannot be read here.
     """
 
     cells: tuple[str, ...]
@@ -42,10 +37,7 @@ class OwnCode:
 def own_code(submission: Submission) -> OwnCode:
     """Return the code that a student wrote: all that the grader runs, except the set-up.
 
-    Raises
-    ------
-    Refused
-        If the notebook cannot be read.
+    Raise Refused if the notebook cannot be read.
     """
     try:
         with laid_out(files.read(submission, _without_outputs), submission.lesson) as notebook:
@@ -63,15 +55,8 @@ def own_code(submission: Submission) -> OwnCode:
 
 
 def with_executed_texts(sources: Mapping[str, str]) -> OwnCode:
-    r"""Return sources with the texts that they execute, each behind the source that it is in.
+    r"""Return sources, by a place such as "code cell 3", with the texts that they execute, each behind its source.
 
-    Parameters
-    ----------
-    sources : mapping of str to str
-        Code by the place where it is, such as "code cell 3".
-
-    Examples
-    --------
     >>> sources = {"cell 1": "a = 'total = sum('", "cell 2": "exec(a + 'weights)')\nexec(open('b').read())"}
     >>> found = with_executed_texts(sources)
     >>> found.cells[-1], found.hidden
@@ -165,8 +150,6 @@ def _parsed(source: str) -> ast.Module:
 def defining_cell(cells: Iterable[str], name: str) -> str:
     """Return the last cell that defines a function, class or variable of this name; an empty text if none does.
 
-    Examples
-    --------
     >>> defining_cell(["def double(x): ...", "double = lambda x: 2 * x", "double(3)"], "double")
     'double = lambda x: 2 * x'
     """

@@ -39,19 +39,9 @@ _COMMON = (
 
 
 def similar_page(compared: Mapping[str, Comparison], left_out: Sequence[str]) -> str:
-    """Make the page.
+    """Make the HTML page of similar notebooks by lesson, without scripts or links to other files.
 
-    Parameters
-    ----------
-    compared : mapping of str to Comparison
-        What the notebooks have in common, by lesson.
-    left_out : sequence of str
-        What was not compared, with the reasons.
-
-    Returns
-    -------
-    str
-        HTML without scripts or links to other files.
+    `left_out` says what was not compared, with the reasons.
     """
     many = sum(len(each.pairs) for each in compared.values())
     return page(

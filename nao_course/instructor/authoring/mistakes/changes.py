@@ -44,13 +44,7 @@ class Change:
         return "\n".join(line.removeprefix(INSERTED) for line in self.lines if line.startswith(INSERTED))
 
     def __call__(self, *args: object, **kwargs: object) -> object:
-        """Refuse to run: only a change that was applied to a solution can be called.
-
-        Raises
-        ------
-        ChangeError
-            Always.
-        """
+        """Raise a ChangeError: only a change that was applied to a solution can be called."""
         raise ChangeError("this mistake is a change of a solution: apply it with with_functions()")
 
     def applied_to(self, source: str, name: str) -> str:
@@ -224,17 +218,8 @@ def changed_twice(
 ) -> Iterator[tuple[int, int, Any]]:
     """Yield the solution with two mistakes at once, for all pairs whose changes touch different places.
 
-    Parameters
-    ----------
-    exercise : Exercise
-        With mistakes that are changes; a mistake that is a function is left out.
-    reference : mapping of str to callable
-        The solution's functions.
-
-    Yields
-    ------
-    (int, int, object)
-        Numbers of the two mistakes, and the function or class with both changes.
+    Yield the numbers of both mistakes, and the function or class with both changes; a mistake that is a function is
+    left out.
     """
     changes = [
         (number, each.name, each.function)

@@ -23,19 +23,7 @@ DIGITS = 16  # binary digits of a stored float: a relative error of 1e-5, a tent
 
 @dataclass(frozen=True)
 class _Tried:
-    """What the public cases gave for a pair.
-
-    Parameters
-    ----------
-    mistakes : (int, int)
-        Numbers of the two mistakes.
-    function : callable
-        The solution with both changes.
-    outcomes : sequence of Outcome
-        One for each public case.
-    wrong : tuple of int
-        Numbers of the cases whose answers are wrong.
-    """
+    """The outcomes of the public cases for a pair of mistakes, by their numbers, and the numbers of the wrong cases."""
 
     mistakes: tuple[int, int]
     function: Callable[..., Any]
@@ -53,25 +41,10 @@ def recognisable(
     """Return the pairs of an exercise's mistakes that a check can recognise.
 
     A pair is left out if one of its mistakes hides the other, if a single mistake or another pair gives the same
-    answers, if it does not end, or if its answers are too large to store.
-
-    Parameters
-    ----------
-    exercise : Exercise
-        The declaration, with `pairs`.
-    cases : sequence of Case
-        The public cases, with the expected answers.
-    mistakes : sequence of PublicMistake
-        The single mistakes' answers, in the order of the declaration.
-    run : callable
-        Runs a function on all public cases; returns fewer outcomes if a case takes too long.
-    is_stable : callable
-        Whether a function's wrong answer to a case, given by its number, is the same on every processor.
-
-    Returns
-    -------
-    list of MistakePair
-        In the order of the declaration.
+    answers, if it does not end, or if its answers are too large to store. `mistakes` are the single mistakes' answers,
+    and like the result in the order of the declaration. `run` runs a function on all public cases, and returns fewer
+    outcomes if a case takes too long. `is_stable` returns whether a function's wrong answer to a case, given by its
+    number, is the same on every processor.
     """
     if min(_size(_shortened(case.expected)) for case in cases) > MOST_BYTES:
         return []  # no answer is small enough, so the pairs need not be run

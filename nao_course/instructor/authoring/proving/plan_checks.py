@@ -48,28 +48,9 @@ _BROKEN = ("NameError", "UnboundLocalError", "ImportError", "ModuleNotFoundError
 def check_plan(
     lesson: str, plan: LessonPlan, reference: Mapping[str, Callable[..., Any]], taken: Collection[str] = ()
 ) -> list[PublicExercise]:
-    """Refuse a plan whose checks or grading would not work.
+    """Refuse a plan whose checks or grading would not work; return what a student's copy contains of each exercise.
 
-    Parameters
-    ----------
-    lesson : str
-        Such as "01_hsl_filtering".
-    plan : LessonPlan
-        The declaration.
-    reference : mapping of str to callable
-        The solution's functions.
-    taken : collection of str
-        Names of the exercises of all other lessons.
-
-    Returns
-    -------
-    list of PublicExercise
-        What a student's copy carries of each exercise.
-
-    Raises
-    ------
-    PlanError
-        One line for each thing that is wrong: which exercise and what.
+    `taken` are the names of the exercises of all other lessons. A PlanError has one line for each thing that is wrong.
     """
     problems = [*declaration_problems(plan)] or [*_name_problems(plan, taken)]
     published: list[PublicExercise] = []
@@ -105,19 +86,9 @@ def check_plan(
 
 
 def use_problems(lesson: str, plans: Mapping[str, LessonPlan]) -> Iterator[str]:
-    """Say which exercises of a lesson use what is not there, or comes later.
+    """Yield "LESSON: EXERCISE: what is wrong" for exercises of a lesson that use what is not there, or comes later.
 
-    Parameters
-    ----------
-    lesson : str
-        Such as "03_goal_posts".
-    plans : mapping of str to LessonPlan
-        Of all lessons, by name.
-
-    Yields
-    ------
-    str
-        "LESSON: EXERCISE: what is wrong".
+    `plans` are of all lessons, by name.
     """
     own = [each.name for each in plans[lesson].exercises]
     for exercise in plans[lesson].exercises:

@@ -37,20 +37,9 @@ class Proofs:
     """The proofs of a course's lessons.
 
     A proof is the check data of a lesson, with the hash of all that it rests on: the versions of Python and of what
-    computes, the library, the declaration, the points, and the solutions of the lesson and of those before it.
-
-    Parameters
-    ----------
-    root : Path
-        Of the course; proofs are kept in its `build/proofs`.
-    declarations : mapping of str to Path
-        Files of the declarations, by the names of all lessons.
-    plans : mapping of str to LessonPlan
-        What they declare, with the course's points.
-    solutions : Path
-        Folder of the solution notebooks.
-    anew : bool
-        Whether what was proven is proven again.
+    computes, the library, the declaration, the points, and the solutions of the lesson and of those before it. Proofs
+    are kept in `build/proofs` under the course's root. `declarations` are files and `plans` what they declare, with the
+    course's points, by the names of all lessons; with `anew`, everything is proven again.
     """
 
     root: Path
@@ -60,12 +49,9 @@ class Proofs:
     anew: bool = False
 
     def check_data(self, name: str) -> bytes:
-        """Return what a lesson's checks need, proven; an earlier proof counts where it rests on the same.
+        """Return the proven data of a lesson's checks; an earlier proof is used if it rests on the same.
 
-        Raises
-        ------
-        PlanError
-            One line for each thing that is wrong with the lesson's declaration.
+        Raise a PlanError with one line for each thing that is wrong with the lesson's declaration.
         """
         rests_on = self.rests_on(name)
         kept = None if self.anew else _read(self._file(name), rests_on)

@@ -36,14 +36,8 @@ def same_but_for_rounding(suffix: str, there: bytes, built: bytes) -> bool:
     """Return whether a file has the same content as a newly built file.
 
     Check data, pictures and the outputs of notebooks may differ as two processors do. All that an author writes, such
-    as cells, messages, tolerances and whole numbers, must be equal.
-
-    Parameters
-    ----------
-    suffix : str
-        Of both files: ".bin", ".ipynb", ".png", ".jpeg". Files of any other kind must be equal.
-    there, built : bytes
-        Their contents.
+    as cells, messages, tolerances and whole numbers, must be equal. Files of another kind than ".bin", ".ipynb", ".png"
+    and ".jpeg" must be equal, too.
     """
     if there == built:
         return True

@@ -18,18 +18,7 @@ SEEDS = (1, 2, 3)  # one perturbation leaves some ill-conditioned answers nearly
 
 
 def perturbed_cases(case: Case) -> Iterator[Case]:
-    """Yield a case with its inputs perturbed, once for each seed; nothing where the inputs hold no float.
-
-    Parameters
-    ----------
-    case : Case
-        Only its arguments are perturbed; what is expected stays as it is.
-
-    Yields
-    ------
-    Case
-        The same cases each time.
-    """
+    """Yield a case with its arguments perturbed, once for each seed; nothing if they contain no float."""
     given = encode((case.args, case.kwargs))
     for seed in SEEDS:
         args, kwargs = perturbed((case.args, case.kwargs), np.random.default_rng(seed))
@@ -40,17 +29,8 @@ def perturbed_cases(case: Case) -> Iterator[Case]:
 def perturbed(value: Any, rng: np.random.Generator) -> Any:
     """Return a copy of a value in which each double-precision number has a relative error of at most `SIZE`.
 
-    Parameters
-    ----------
-    value : object
-        Anything that the codec can send. Integers, booleans, pictures and texts stay as they are.
-    rng : Generator
-        Draws the errors.
-
-    Returns
-    -------
-    object
-        Of the same types. An object whose class refuses the perturbed values is returned as it is.
+    Integers, booleans, pictures and texts stay as they are, and so does an object whose class refuses the perturbed
+    values.
     """
     kind = type(value)
     if kind in (float, complex, np.float64, np.complex128):

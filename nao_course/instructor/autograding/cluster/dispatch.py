@@ -49,14 +49,7 @@ class ClusterError(ValueError):
 class Cluster:
     """A cluster whose admitted workers grade submissions.
 
-    Parameters
-    ----------
-    client : distributed.Client
-        Connected to the scheduler.
-    requirement : Requirement
-        What a worker must fulfil.
-    say : callable
-        Called with a line about each worker that is refused, and when none is left.
+    `say` is called with a line about each worker that is refused, and when none is left.
     """
 
     client: Client
@@ -75,19 +68,9 @@ class Cluster:
         return 0 if self._held >= MOST_HELD else 2 * max(1, sum(self._admitted.values()))
 
     def submit(self, submission: Submission, assignment: Assignment) -> Future[SubmissionResult]:
-        """Send a submission to any admitted worker.
+        """Send a submission, whose files are read now, to any admitted worker, and its assignment once to each worker.
 
-        Parameters
-        ----------
-        submission : Submission
-            Its files are read now.
-        assignment : Assignment
-            Of its lesson; sent once to each worker.
-
-        Returns
-        -------
-        Future of SubmissionResult
-            With a GraderError if each worker that had it died, and a ClusterError if the scheduler was lost.
+        The future raises a GraderError if each worker that had it died, and a ClusterError if the scheduler was lost.
         """
         executor = self.client.get_executor(pure=False, resources={self.requirement.resource: 1})
         if assignment.hash not in self._assignments:
@@ -116,13 +99,7 @@ class Cluster:
             self._held += size
 
     def wait_for_workers(self, seconds: float = SECONDS_FOR_A_WORKER) -> None:
-        """Wait until a worker is admitted.
-
-        Raises
-        ------
-        ClusterError
-            If none joins in time, or all that are there are refused.
-        """
+        """Wait until a worker is admitted; raise a ClusterError if none joins in time, or all of them are refused."""
         until, address = time.monotonic() + seconds, self.client.scheduler_info(n_workers=0)["address"]
         while not self._admitted:
             self.update_workers()
@@ -213,28 +190,9 @@ def open_cluster(
 ) -> Iterator[Cluster]:
     """Connect to a scheduler, or start a cluster of processes on this machine that ends with the block.
 
-    Parameters
-    ----------
-    level : str
-        The lowest sandbox level that a worker must have.
-    scheduler : str
-        Address of a scheduler, such as "tls://10.0.0.1:8786".
-    workers : int
-        Processes to start where there is no scheduler.
-    jobs : int
-        How many submissions these processes grade at a time, all together.
-    say : callable
-        Called with lines for the person at the terminal.
-
-    Yields
-    ------
-    Cluster
-        With at least one admitted worker.
-
-    Raises
-    ------
-    ClusterError
-        If the scheduler cannot be reached or no worker may grade.
+    `level` is the lowest sandbox level of a worker, and `scheduler` an address such as "tls://10.0.0.1:8786"; without
+    one, `workers` processes are started, which together grade `jobs` submissions at a time. `say` is called with lines
+    for the person at the terminal. Raise a ClusterError if the scheduler cannot be reached or no worker may grade.
     """
     logging.getLogger("distributed").setLevel(logging.ERROR)
     with ExitStack() as stack:

@@ -16,18 +16,10 @@ from nao_course.instructor.collecting.submissions import Submission
 
 @dataclass(frozen=True)
 class SubmissionParcel:
-    """A submission with the content of its files.
+    """A submission with the content of its files, as handed in, and of the student's earlier work, in its order.
 
-    Parameters
-    ----------
-    submission : Submission
-        Its paths are the grader's and mean nothing elsewhere. A file that cannot be read is its reason to be refused.
-    notebook : bytes
-        As it was handed in.
-    helpers : tuple of bytes
-        In the submission's order.
-    earlier : tuple of SubmissionParcel
-        The student's earlier work, in the submission's order.
+    The submission's paths are the grader's and mean nothing elsewhere. A file that cannot be read is its reason to be
+    refused.
     """
 
     submission: Submission
@@ -78,14 +70,7 @@ class SubmissionParcel:
 class AssignmentParcel:
     """An assignment with the content of its solution notebooks: a worker needs neither the solutions nor the secret.
 
-    Parameters
-    ----------
-    assignment : Assignment
-        Its paths are the grader's and mean nothing elsewhere.
-    reference : bytes
-        The solution notebook.
-    earlier : tuple of bytes
-        The solution notebooks of the earlier lessons, in the assignment's order.
+    Its paths are the grader's and mean nothing elsewhere; `earlier` are in the assignment's order.
     """
 
     assignment: Assignment

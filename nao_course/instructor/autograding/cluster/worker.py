@@ -35,16 +35,10 @@ _UNLIMITED = (
 
 @dataclass(frozen=True)
 class Requirement:
-    """What a worker must have so that its results are the same as on the grader's machine.
+    """The properties of a worker whose results are the same as on the grader's machine.
 
-    Parameters
-    ----------
-    code : str
-        `package_digest` of the course.
-    versions : str
-        Of Python and of the libraries that scores can depend on.
-    level : str
-        The lowest sandbox level.
+    They are the `package_digest` of the course, the versions of Python and of the libraries that scores can depend on,
+    and the lowest sandbox level.
     """
 
     code: str
@@ -77,20 +71,7 @@ class Requirement:
 
 
 async def admit(requirement: Requirement, dask_worker: Worker) -> str:
-    """Let a Dask worker take submissions if it fulfils a requirement.
-
-    Parameters
-    ----------
-    requirement : Requirement
-        The grader's.
-    dask_worker : distributed.Worker
-        The worker in whose process this runs.
-
-    Returns
-    -------
-    str
-        The reason why it is refused; empty if it is admitted.
-    """
+    """Let a Dask worker, in whose process this runs, take submissions, or return the reason why it is refused."""
     reason = await asyncio.to_thread(requirement.unfulfilled)
     if not reason and requirement.resource not in dask_worker.state.total_resources:
         await dask_worker.set_resources(**{requirement.resource: _UNLIMITED})
@@ -124,20 +105,7 @@ _BENCH = _Bench()
 
 
 def grade_parcel(parcel: SubmissionParcel, assignment: AssignmentParcel) -> SubmissionResult:
-    """Grade a submission in this process's sandbox.
-
-    Parameters
-    ----------
-    parcel : SubmissionParcel
-        What was handed in.
-    assignment : AssignmentParcel
-        Of its lesson.
-
-    Returns
-    -------
-    SubmissionResult
-        As `grader.grade` returns it where the grader is alone.
-    """
+    """Grade a submission in this process's sandbox, with the same result as `grader.grade` on one machine."""
     prepared, server = _BENCH.prepare(assignment)
     with parcel.laid_out() as submission:
         result = grade(submission, prepared, server, server.sandbox.level)
