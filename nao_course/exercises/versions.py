@@ -49,8 +49,6 @@ def stated_versions(given: object) -> dict[str, str]:
 def in_words(versions: Mapping[str, str]) -> str:
     """Return versions such as "Python 3.14, NumPy 2.4"; only what is a version is named.
 
-    Examples
-    --------
     >>> in_words({"numpy": "2.4.6", "python": "3.14.0", "scipy": "<b>"})
     'Python 3.14, NumPy 2.4'
     """

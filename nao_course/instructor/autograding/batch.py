@@ -39,26 +39,14 @@ class Workers(Protocol):
 
 @dataclass
 class Summary:
-    """What a run came to.
+    """The outcome of a run of the grader.
 
-    Parameters
-    ----------
-    graded, unchanged : int
-        Submissions that were scored in this run, and submissions that were scored or refused before.
-    refused : list of SubmissionResult
-        Submissions that were refused in this run, with the reason.
-    kept : list of str
-        Students whose earlier result counts, because nothing in their new notebook can be graded.
-    failed : list of str
-        Submissions that have neither: the grader itself failed.
-    attempts : list of str
-        What the sandbox saw students' code try.
-    undecided : list of str
-        Submissions with exercises whose points a person has to decide, with the reason.
-    written : Counter of (str, str)
-        Numbers of submissions by the name and number of a version with which they were written.
-    too_slow : list of str
-        Exercises whose time was used up, with the limit.
+    `graded` submissions were scored in this run; `unchanged` ones were scored or refused before; `refused` ones were
+    refused in this run. `kept` are students whose earlier result counts, because nothing in their new notebook can be
+    graded; `failed` are submissions with neither, because the grader itself failed. `attempts` are attempts on the
+    sandbox, `undecided` submissions with exercises whose points a person has to decide, with the reason, and `too_slow`
+    exercises whose time was used up, with the limit. `written` counts submissions by the name and number of a version
+    with which they were written.
     """
 
     graded: int = 0

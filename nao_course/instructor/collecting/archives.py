@@ -84,8 +84,6 @@ class Item:
 def other_archive(file: str) -> str:
     """Return why a file is not opened that is named like an archive of another kind than zip; empty for any other file.
 
-    Examples
-    --------
     >>> other_archive("work.7z")
     'it is a 7z archive, and only zips are opened. Unpack it, or hand in the zip that `nao-course submit` makes'
     """

@@ -49,30 +49,13 @@ _MODULE = re.compile(r"[A-Za-z_]\w*\.py", re.ASCII)
 
 @dataclass(frozen=True)
 class Submission:
-    """A student's notebook of a lesson.
+    """A student's notebook of a lesson, such as "01_hsl_filtering", or another file with the reason why it is refused.
 
-    Parameters
-    ----------
-    student, lesson : str
-        Whose, and of which lesson ("01_hsl_filtering").
-    path : Path
-        The notebook, or what is there instead of one.
-    helpers : tuple of (str, Path)
-        Python files that were handed in beside it, by the name they are imported by.
-    notes : tuple of str
-        For the assistant: what else there was and does not count.
-    reason : str
-        Why it is refused, where it is.
-    file : str
-        Its name as it was handed in.
-    earlier : tuple of Submission
-        The same student's submissions of earlier lessons whose functions this one uses.
-    handed_in : str
-        When a zip of `nao-course submit` was packed, in UTC and by the student's clock; empty for other files.
-    late : bool
-        Whether the platform says that it was handed in late.
-    versions : mapping of str to str
-        Versions of Python and libraries in the receipt of `nao-course submit`.
+    `helpers` are Python files that were handed in beside it, by the name they are imported by; `notes`, for the
+    assistant, are about other files that do not count; `file` is its name as it was handed in. `earlier` are the same
+    student's submissions of earlier lessons whose functions this one uses. `handed_in` is when a zip of
+    `nao-course submit` was packed, in UTC and by the student's clock, and empty for other files; `versions`, of Python
+    and libraries, are in its receipt; `late` is what the platform says.
     """
 
     student: str

@@ -183,19 +183,9 @@ class Journal:
     def keep(self, result: SubmissionResult, *, newest: SubmissionResult | None = None) -> None:
         """Store a result in one transaction; the result that it replaces moves to the history.
 
-        A result that another grader has stored meanwhile for the same files is replaced without a trace.
-
-        Parameters
-        ----------
-        result : SubmissionResult
-            Complete.
-        newest : SubmissionResult, optional
-            The result of a newer submission that does not count, so that it is not graded again.
-
-        Raises
-        ------
-        JournalError
-            If it cannot be written: the disk is full, or the file may only be read.
+        A result that another grader has stored meanwhile for the same files is replaced without a trace. `newest` is
+        the result of a newer submission that does not count, so that it is not graded again. Raise a JournalError if
+        the disk is full, or the file may only be read.
         """
         key = (result.student, result.lesson)
         graded = newest or result

@@ -101,41 +101,16 @@ class WrittenAnswer:
 
 @dataclass(frozen=True)
 class SubmissionResult:
-    """The result of one student's submission of one lesson.
+    """The result of one student's submission of one lesson, such as "01_hsl_filtering".
 
-    Parameters
-    ----------
-    student, lesson : str
-        Whose, and of which lesson ("01_hsl_filtering").
-    status : str
-        "graded", or "refused" if the file is not a notebook that can be graded.
-    reason : str
-        Why it was refused.
-    file : str
-        The submission's name as it was handed in.
-    submission, assignment : str
-        Hashes of the submission and of everything that it was graded with: solution, declaration, points, secret.
-    exercises : tuple of ExerciseResult
-        In the lesson's order; all of them, with 0 points, where it was refused.
-    written : tuple of WrittenAnswer
-        What a person has to mark.
-    notes : tuple of str
-        For the assistant: other files of the student that did not count, statements that did not run, attempts at the
-        sandbox.
-    level : str
-        The sandbox level it ran in.
-    seconds : float
-        How long it took; no part of what two runs must agree in.
-    left_out : tuple of str
-        Notes on files that were made before any code ran; the student sees them, too.
-    handed_in : str
-        When it was packed, in UTC and by the student's clock; empty if unknown.
-    late : bool
-        Whether the platform says that it was handed in late.
-    versions : mapping of str to str
-        What the notebook was written with, as far as it or the receipt says so: "python", "numpy" and others.
-    graded_with : mapping of str to str
-        Versions of the grader; empty in results of earlier versions.
+    A file that is not a notebook that can be graded is "refused" with a reason; its exercises are there with 0 points.
+    `submission` and `assignment` are hashes of the submission and of everything that it was graded with: solution,
+    declaration, points, secret. `notes` are for the assistant: other files of the student that did not count,
+    statements that did not run, attempts on the sandbox, whose level is `level`. `left_out` are notes on files that
+    were made before any code ran; the student sees them, too. `seconds`, the duration, may differ between two runs that
+    agree. `handed_in` is when it was packed, in UTC and by the student's clock, and empty if unknown; `late` is what
+    the platform says. `versions` are of "python", "numpy" and others with which the notebook was written, as far as it
+    or the receipt says so, and `graded_with` of the grader, empty in results of earlier versions.
     """
 
     student: str

@@ -66,31 +66,12 @@ class _Columns:
 def fill_sheet(
     platform: str, sheet: Path, made: Iterable[Score], column: str = "", *, scale: bool = False
 ) -> FilledSheet:
-    """Write points into the sheet that a platform gave out.
+    """Write points of one lesson into Moodle's grading worksheet or Canvas's exported gradebook, and nothing else.
 
-    Parameters
-    ----------
-    platform : str
-        One of `PLATFORMS`.
-    sheet : Path
-        Moodle's grading worksheet, or Canvas's exported gradebook.
-    made : iterable of Score
-        Scores of one lesson. A student is found by the number that the platform put into the file name.
-    column : str
-        The column's name, or how it begins; with Canvas, where there is one for each assignment.
-    scale : bool
-        Whether points are scaled to the platform's maximum where it is not the lesson's.
-
-    Returns
-    -------
-    FilledSheet
-        All other cells as they were.
-
-    Raises
-    ------
-    TableError
-        If it is not such a sheet, if a student or a column that matters is there twice, if no column is given, or if
-        its maximum is not the lesson's and `scale` is false.
+    A student is found by the number that the platform, one of `PLATFORMS`, put into the file name. `column` is its
+    column's name, or how it begins; Canvas has a column for each assignment. With `scale`, points are scaled to the
+    platform's maximum. Raise a TableError if it is not such a sheet, if a student or a column that matters is there
+    twice, if no column is given, or if its maximum is not the lesson's and `scale` is false.
     """
     rows = read_rows(sheet)
     if not rows:
