@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.challenges import margin
-from nao_course.challenges import CaseResult, Run
-from nao_course.lessons.experiments.challenge import CHALLENGE, ROOMS, Room, interval_score, judge
-from tests.lessons.experiments.own import TEXT
+from nao_course.lessons.experiments.challenge import Room, interval_score, judge
 
 PICTURE = np.zeros((240, 320, 3), dtype=np.uint8)
 ROOM = Room("lab 1", ((PICTURE, np.array([(50.0, 90.0), (200.0, 80.0)])), (PICTURE, np.zeros((0, 2)))))
@@ -49,30 +46,3 @@ def test_no_other_interval_than_that_of_80_percent_costs_less(rng):
 def test_what_is_no_claim_is_said(answer):
     with pytest.raises((TypeError, ValueError)):
         judge(answer, ROOM)
-
-
-def test_every_room_has_a_name_and_nothing_is_worth_less_than_a_failing_entry():
-    names = [CHALLENGE.name_of(seed) for seed in CHALLENGE.seeds]
-    assert len(set(names)) == len(names) == sum(map(len, ROOMS.values())) and names[0] == "lab 1"
-    nothing = next(row for row in CHALLENGE.rows if row.name == "nothing")
-    assert max(nothing.cases) < CHALLENGE.nothing
-
-
-def test_the_figure_says_which_rooms_are_outside():
-    answers = (([NONE, NONE], 0.0, 2.0), ([NONE, NONE], 2.0, 3.0))
-    scored = [judge(each, ROOM) for each in answers]
-    results = tuple(
-        CaseResult(i, f"lab {i}", each.score, each.columns, each.kept) for i, each in enumerate(scored)
-    )
-    assert "Mean cost of 2 rooms" in CHALLENGE.figure(Run(CHALLENGE, results)).alt
-
-
-def test_the_text_says_what_the_board_says():
-    rows = {row.name: row for row in CHALLENGE.rows}
-    own, nothing, better = (rows[name] for name in ("the reference", "nothing", "a better detector"))
-    assert f"scores {own.score:.2f}; reporting nothing scores {nothing.score:.2f}" in TEXT
-    mean, low, high = margin(own.cases, better.cases)
-    assert (
-        f"scores {better.score:.2f}, which is better than the reference by {mean:.2f} "
-        f"(95 % interval {low:.2f} to {high:.2f})" in TEXT
-    )

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from nao_course.challenges import CaseResult, Run
-from nao_course.lessons.goalposts.challenge import CHALLENGE, ROOMS, SCENES_PER_ROOM, judge
+from nao_course.lessons.goalposts.challenge import judge
 from nao_course.lessons.goalposts.measuring import Feet
 from nao_course.lessons.goalposts.scenes import PostScene
 from nao_course.sim import NAO_V4
@@ -26,21 +25,3 @@ def test_a_missed_foot_and_a_false_point_cost_and_are_told():
     scored = judge([(50, 90), (120, 30), (130, 30), (-5, 70)], SCENE)
     assert scored.score == pytest.approx(2 * 1 / (2 + 3))
     assert scored.columns == {"feet missed": 1.0, "false points": 2.0}
-
-
-def test_every_room_has_its_scenes_with_names_of_their_own():
-    names = [CHALLENGE.name_of(place) for place in CHALLENGE.seeds]
-    assert len(set(names)) == len(names) == SCENES_PER_ROOM * sum(map(len, ROOMS.values()))
-    assert names[0] == "dark 1" and names[-1] == "harsh 15"
-    with pytest.raises(TypeError, match="return feet"):
-        judge(None, SCENE)
-
-
-def test_the_figure_shows_the_worst_scenes():
-    answers = ([], [(50, 90)], SCENE.feet.pixels)
-    scored = [judge(np.array(each, dtype=float).reshape(-1, 2), SCENE) for each in answers]
-    results = tuple(
-        CaseResult(name, name, each.score, each.columns, each.kept)
-        for name, each in zip(("dark 1", "dark 2", "dark 3"), scored, strict=True)
-    )
-    assert "The worst are dark 1 with 0.00, dark 2 with 0.67" in CHALLENGE.figure(Run(CHALLENGE, results)).alt

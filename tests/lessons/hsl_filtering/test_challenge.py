@@ -9,15 +9,7 @@ import pytest
 
 from nao_course.challenges import CaseResult, EntryReport, Run
 from nao_course.lessons.hsl_filtering import harder_rooms
-from nao_course.lessons.hsl_filtering.challenge import (
-    CHALLENGE,
-    ENOUGH,
-    ROOMS,
-    as_labels,
-    f1,
-    judge,
-    on_the_field,
-)
+from nao_course.lessons.hsl_filtering.challenge import CHALLENGE, ENOUGH, ROOMS, f1, judge, on_the_field
 
 TRUTH = np.array([[0, 0, 2, 0], [1, 0, 2, 3], [3, 1, 2, 1], [1, 1, 1, 1]], dtype=np.uint8)
 SCENE = SimpleNamespace(
@@ -67,26 +59,6 @@ def test_the_field_begins_at_the_far_edge_of_the_carpet_in_each_column():
     ]
 
 
-@pytest.mark.parametrize(
-    ("answer", "said"),
-    [
-        (None, "returns None"),
-        ("labels", "got str"),
-        ({"a": 1}, "got dict"),
-        ([[1, 2], [3]], "got list"),
-        (np.zeros((4, 4, 3)), r"got shape \(4, 4, 3\)"),
-        (TRUTH.T[:2], r"shape \(4, 4\); got shape \(2, 4\)"),
-        (np.where(TRUTH == 1, np.nan, TRUTH), "NaN"),
-        (TRUTH + 0.5, "0 other, 1 green, 2 yellow, 3 white"),
-        (TRUTH.astype(int) - 1, "got -1 to 2"),
-        (TRUTH.astype(complex), "array of labels"),
-    ],
-)
-def test_what_are_no_labels_is_said_in_a_sentence(answer, said):
-    with pytest.raises((TypeError, ValueError), match=said):
-        as_labels(answer, TRUTH.shape)
-
-
 def test_an_array_of_the_students_own_kind_never_meets_the_truth():
     met = []
 
@@ -132,12 +104,6 @@ def test_the_figure_shows_what_each_colour_cost_and_the_worst_scene():
     heights = np.array([bar.get_height() for bar in bars.patches]).reshape(3, 2)
     assert heights.sum(axis=0) == pytest.approx(1.0) and heights[1].tolist() == [0.0, 0.5]
     assert "harsh 6 with 0.50" in drawing.alt
-
-
-def test_an_entry_without_one_usable_answer_has_a_figure_too():
-    results = tuple(CaseResult(seed, str(seed), 0.0, message="no") for seed in CHALLENGE.seeds)
-    drawing = CHALLENGE.figure(Run(CHALLENGE, results))
-    assert len(drawing.figure.axes) == 1 and "0.00 on average" in drawing.alt
 
 
 def test_the_harder_rooms_are_those_with_the_lower_mean_and_an_entry_without_a_score_has_none():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nao_course.lessons.slam_on_the_field.challenge import CHALLENGE, judge, make_case
+from nao_course.lessons.slam_on_the_field.challenge import judge, make_case
 
 
 @pytest.fixture(scope="module")
@@ -11,19 +11,8 @@ def case():
     return make_case(2)
 
 
-def test_the_same_seed_gives_the_same_drive(case):
-    other = make_case(2)
-    assert np.array_equal(other.drive.poses, case.drive.poses)
-    assert not np.array_equal(make_case(3).drive.poses[0], case.drive.poses[0])
-
-
 def test_odometry_is_worth_nothing_and_an_overconfident_winner_loses(case):
     assert judge((case.odometry, case.odometry_covariance), case).score == pytest.approx(0.0, abs=1e-6)
     near = case.drive.poses[-1] + (0.03, 0.0, 0.0)
     consistent, overconfident = judge((near, 0.001 * np.eye(3)), case), judge((near, 1e-7 * np.eye(3)), case)
     assert consistent.score > 3 and overconfident.score < 0
-
-
-def test_its_board_has_a_better_entry_than_the_reference():
-    scores = {row.name: row.score for row in CHALLENGE.rows}
-    assert scores["a better one"] > scores["the reference"] > scores["nearest neighbour"]
