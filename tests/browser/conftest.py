@@ -5,6 +5,13 @@ import pytest
 from tests.browser.lab import browser_page, jupyter_lab
 
 
+@pytest.fixture(autouse=True, scope="session")
+def needs_jupyterlab_and_playwright():
+    """Skip where the test extras are not installed."""
+    pytest.importorskip("jupyterlab")
+    pytest.importorskip("playwright")
+
+
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
     """A JupyterLab that runs for a module's tests."""

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from tests.browser.lab import wait_for
+from tests.browser.notebook_page import expect, panel_of
 from tests.paths import PROJECT
 
 LESSON = PROJECT / "solutions" / "01_hsl_filtering.md"
@@ -46,12 +46,8 @@ class FilterPage:
     """The filter panel of a page."""
 
     def __init__(self, lab, page, name, label=LABEL, panel=PANEL):
-        lab.write(name, SCENE, reference(), label, panel)
-        lab.open(page, name)
-        lab.run_all(page)
-        assert lab.errors(page) == []
-        self.page, self.root = page, page.locator(".nao-filter").first
-        self.root.wait_for(timeout=60_000)
+        self.page = page
+        self.root = panel_of(lab, page, name, SCENE, reference(), label, panel, kind=".nao-filter")
         self.root.evaluate("each => each.scrollIntoView({block: 'end'})")
         page.wait_for_timeout(1000)
 
@@ -71,8 +67,7 @@ class FilterPage:
         return float(self.root.locator(f".nao-slider-{slider} .widget-readout").inner_text())
 
     def expect(self, words):
-        if not wait_for(lambda: words in self.words(), None, 20):
-            raise AssertionError(f"{words!r} is not in the panel's words, which are {self.words()!r}")
+        expect(self.words, words)
 
     def drag(self, slider, pixels, steps, pause=0):
         """Drag a slider with the mouse, evenly there and back again, and hold it."""

@@ -3,7 +3,7 @@
 import shutil
 from contextlib import contextmanager
 
-from tests.browser.lab import browser_page, jupyter_lab
+from tests.browser.lab import browser_page, jupyter_lab, wait_for
 from tests.paths import PROJECT
 
 SCREENSHOTS = PROJECT / "build" / "screenshots"
@@ -18,9 +18,34 @@ def student_copies(tmp_path, chromium):
         yield lab, page
 
 
-def screenshot(page, name):
-    """Keep what the page shows, for whoever wants to look."""
+def run_notebook(lab, page, name, *cells, timeout=120):
+    """Write and open a notebook of these cells, and run all of them without an error."""
+    lab.write(name, *cells)
+    lab.open(page, name)
+    lab.run_all(page, timeout)
+    assert lab.errors(page) == []
+
+
+def panel_of(lab, page, name, *cells, kind=".nao-function", timeout=120):
+    """Run a notebook; return its first panel of a kind."""
+    run_notebook(lab, page, name, *cells, timeout=timeout)
+    root = page.locator(kind).first
+    root.wait_for(timeout=60_000)
+    return root
+
+
+def expect(root, words, seconds=60):
+    """Wait until words are in a panel, or in what a function returns."""
+    said = root if callable(root) else root.inner_text
+    if not wait_for(lambda: words in said(), None, seconds):
+        raise AssertionError(f"{words!r} is not in the panel's words, which are {said()!r}")
+
+
+def screenshot(page, name, root=None):
+    """Keep what the page shows, with a panel's end in view, for whoever wants to look."""
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    if root is not None:
+        root.evaluate("each => each.scrollIntoView({block: 'end'})")
     page.wait_for_timeout(300)
     page.screenshot(path=SCREENSHOTS / f"{name}.png")
 

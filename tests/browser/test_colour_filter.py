@@ -9,8 +9,6 @@ from tests.browser.lab import wait_for
 from tests.browser.notebook_page import screenshot
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 
 SLOW = "import time\ntaken = []\n" + LABEL.replace(

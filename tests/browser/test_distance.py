@@ -6,14 +6,11 @@ from PIL import Image
 
 from nao_course.lessons.distance.phone.photo import SIZE
 from nao_course.lessons.distance.phone.sheet import CLICKED, usual_phone, usual_photo
-from tests.browser.lab import browser_page, wait_for
+from tests.browser.notebook_page import expect, panel_of, screenshot
 from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 STUDENT = f"""from nao_course.exercises import load_definitions
 from nao_course.lessons.distance import PhoneLab, TiltPanel
 
@@ -24,44 +21,14 @@ PHONE = """import numpy as np
 PhoneLab(lambda picture: np.array([[133.6, 79.0], [187.8, 76.9]]), own["pixel_to_ground"])"""
 
 
-@pytest.fixture
-def page(lab, chromium):
-    lab.console.clear()
-    with browser_page(chromium) as opened:
-        yield opened
-    assert lab.our_errors() == []
-
-
-def panel_of(lab, page, name, cell):
-    lab.write(name, STUDENT, cell)
-    lab.open(page, name)
-    lab.run_all(page)
-    assert lab.errors(page) == []
-    root = page.locator(".nao-function").first
-    root.wait_for(timeout=60_000)
-    return root
-
-
-def expect(root, words):
-    if not wait_for(lambda: words in root.inner_text(), None, 30):
-        raise AssertionError(f"{words!r} is not in the panel's words, which are {root.inner_text()!r}")
-
-
 def upload(page, root, file):
     with page.expect_file_chooser() as chosen:
         root.locator(".jupyter-widget-fileupload, .widget-upload").first.click()
     chosen.value.set_files(file)
 
 
-def screenshot(page, root, name):
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    root.evaluate("each => each.scrollIntoView({block: 'end'})")
-    page.wait_for_timeout(500)
-    page.screenshot(path=SCREENSHOTS / f"{name}.png")
-
-
 def test_a_photo_is_uploaded_its_corners_are_clicked_and_landmarks_stand_on_the_map(lab, page, tmp_path):
-    root = panel_of(lab, page, "phone.ipynb", PHONE)
+    root = panel_of(lab, page, "phone.ipynb", STUDENT, PHONE)
     expect(root, "This is a simulated photo")
     written = Image.Exif()
     written.get_ifd(0x8769)[0xA405] = 27
@@ -82,18 +49,18 @@ def test_a_photo_is_uploaded_its_corners_are_clicked_and_landmarks_stand_on_the_
     expect(root, "From the four letters, the phone was 3")
     expect(root, "post at (3, 0.7)")
     expect(root, "post at (3, -0.7)")
-    screenshot(page, root, "phone_lab")
+    screenshot(page, "phone_lab", root)
     (tmp_path / "notes.txt").write_text("no picture")
     upload(page, root, tmp_path / "notes.txt")
     expect(root, "This file cannot be read as a picture")
 
 
 def test_the_tilt_slider_moves_all_points(lab, page):
-    root = panel_of(lab, page, "tilt.ipynb", TILT)
+    root = panel_of(lab, page, "tilt.ipynb", STUDENT, TILT)
     expect(root, "+0.")
     handle = root.locator(".noUi-handle, .ui-slider-handle").first
     handle.focus()
     for _ in range(25):
         page.keyboard.press("ArrowLeft")
     expect(root, "-0.")
-    screenshot(page, root, "tilt_panel")
+    screenshot(page, "tilt_panel", root)

@@ -4,13 +4,11 @@ import pytest
 
 from nao_course import films
 from tests.browser.lab import browser_page, wait_for
+from tests.browser.notebook_page import panel_of, screenshot
 from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 STUDENT = f"""from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.ekf_slam import FilmPanel
 from pathlib import Path
@@ -20,17 +18,8 @@ FILM = "FilmPanel(*(own[name] for name in ('init_landmarks', 'predict', 'update'
 
 
 @pytest.fixture
-def in_notebook(lab, chromium):
-    lab.console.clear()
-    with browser_page(chromium) as page:
-        lab.write("film.ipynb", STUDENT, FILM)
-        lab.open(page, "film.ipynb")
-        lab.run_all(page)
-        assert lab.errors(page) == []
-        player = page.locator(".nao-film").first
-        player.wait_for(timeout=60_000)
-        yield player
-    assert lab.our_errors() == []
+def in_notebook(lab, page):
+    return panel_of(lab, page, "film.ipynb", STUDENT, FILM, kind=".nao-film")
 
 
 @pytest.fixture
@@ -55,14 +44,6 @@ def frame(player):
 def painted(player):
     """The map's pixels, as one text."""
     return player.locator(".nao-map-canvas").evaluate("canvas => canvas.toDataURL()")
-
-
-def show(player, name):
-    """A picture of the page for who reads the tests."""
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    player.evaluate("each => each.scrollIntoView({block: 'end'})")
-    player.page.wait_for_timeout(300)
-    player.page.screenshot(path=SCREENSHOTS / name)
 
 
 def plays_steps_and_scrubs(player, last):
@@ -96,7 +77,7 @@ def plays_steps_and_scrubs(player, last):
 def test_a_film_plays_in_the_notebook_and_keeps_its_keys(in_notebook):
     cells = in_notebook.page.locator(".jp-Cell").count()
     plays_steps_and_scrubs(in_notebook, 50)
-    show(in_notebook, "film.png")
+    screenshot(in_notebook.page, "film", in_notebook)
     assert in_notebook.page.locator(".jp-Cell").count() == cells  # "b" adds one outside of the film
 
 
@@ -106,12 +87,12 @@ def test_a_film_follows_the_theme(in_notebook):
         "() => window.jupyterapp.commands.execute('apputils:change-theme', {theme: 'JupyterLab Dark'})"
     )
     assert wait_for(lambda: painted(in_notebook) != light, None, 30)
-    show(in_notebook, "film_dark.png")
+    screenshot(in_notebook.page, "film_dark", in_notebook)
 
 
 def test_a_film_plays_on_a_page_of_its_own(on_a_page):
     plays_steps_and_scrubs(on_a_page, 20)
-    show(on_a_page, "film_page.png")
+    screenshot(on_a_page.page, "film_page", on_a_page)
 
 
 @pytest.mark.parametrize("width", [390, 900, 1280])
@@ -119,4 +100,4 @@ def test_nothing_of_a_film_is_wider_than_its_page(on_a_page, width):
     on_a_page.page.set_viewport_size({"width": width, "height": 800})
     on_a_page.page.wait_for_timeout(200)
     assert on_a_page.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    show(on_a_page, f"film_page_{width}.png")
+    screenshot(on_a_page.page, f"film_page_{width}", on_a_page)

@@ -6,8 +6,6 @@ from tests.browser.lab import wait_for
 from tests.browser.notebook_page import cell_index, in_sight, screenshot, select, student_copies
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 NAME = "00_meet_the_nao"
 FIELD = '.widget-text input[placeholder="your prediction"]'

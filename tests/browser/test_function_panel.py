@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from tests.browser.lab import LAPTOP, wait_for
-from tests.browser.notebook_page import screenshot
+from tests.browser.notebook_page import expect, panel_of, screenshot
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 NARROW = {"width": 800, "height": 768}
 
@@ -57,17 +55,9 @@ class Panel:
     """The first function panel of a page."""
 
     def __init__(self, lab, page, name, panel):
-        lab.write(name, STUDENT, panel)
-        lab.open(page, name)
-        lab.run_all(page)
-        assert lab.errors(page) == []
-        self.page, self.root = page, page.locator(".nao-function").first
-        self.root.wait_for(timeout=60_000)
-        self.into_view()
-        page.wait_for_timeout(1000)
-
-    def into_view(self):
+        self.page, self.root = page, panel_of(lab, page, name, STUDENT, panel)
         self.root.evaluate("each => each.scrollIntoView({block: 'end'})")
+        page.wait_for_timeout(1000)
 
     def pixel(self):
         return self.root.locator(".nao-pixel-pixel input").input_value()
@@ -76,12 +66,10 @@ class Panel:
         return self.root.inner_text()
 
     def expect(self, words):
-        if not wait_for(lambda: words in self.words(), None, 20):
-            raise AssertionError(f"{words!r} is not in the panel's words, which are {self.words()!r}")
+        expect(self.words, words)
 
     def screenshot(self, name):
-        self.into_view()
-        screenshot(self.page, name)
+        screenshot(self.page, name, self.root)
 
 
 def test_keys_in_a_menu_and_at_a_question_are_no_commands_of_the_notebook(lab, page):

@@ -7,13 +7,11 @@ import urllib.request
 import psutil
 import pytest
 
-from tests.browser.lab import browser_page, jupyter_lab, wait_for
-from tests.browser.notebook_page import screenshot
+from tests.browser.lab import jupyter_lab, wait_for
+from tests.browser.notebook_page import expect, run_notebook, screenshot
 from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 LESSON = PROJECT / "notebooks" / "00_meet_the_nao.ipynb"
 
@@ -38,13 +36,10 @@ panel = ControlPanel(SimulatedNao(rng=4), slam=Mine())
 panel"""
 
 
-@pytest.fixture
-def page(lab, chromium):
-    lab.console.clear()
+@pytest.fixture(autouse=True)
+def nothing_fails_in_the_server(lab):
     logged = len(lab.log.read_text())
-    with browser_page(chromium) as opened:
-        yield opened
-    assert lab.our_errors() == []
+    yield
     assert not re.search(r'File ".*nao_course', lab.log.read_text()[logged:])
 
 
@@ -79,18 +74,14 @@ class Panel:
         return float(x), float(y), int(heading)
 
     def expect(self, words):
-        if not wait_for(lambda: words in self.facts(), None, 20):
-            pytest.fail(f"{words!r} is not in the panel's words, which are {self.facts()!r}")
+        expect(self.facts, words)
 
     def screenshot(self, name):
-        self.root.evaluate("each => each.scrollIntoView({block: 'end'})")
-        screenshot(self.page, name)
+        screenshot(self.page, name, self.root)
 
 
 def open_panel(lab, page, name, code):
-    lab.write(name, code)
-    lab.open(page, name)
-    lab.run_all(page)
+    run_notebook(lab, page, name, code)
     return Panel(page)
 
 

@@ -7,8 +7,6 @@ from tests.browser.lab import browser_page
 from tests.browser.lesson_panels import panel_cells
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 PANELS = panel_cells()
 LARGE = 480  # px of a picture on a page of 1280 px without the list of files

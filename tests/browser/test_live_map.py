@@ -2,14 +2,11 @@
 
 import pytest
 
-from tests.browser.lab import browser_page, wait_for
-from tests.paths import PROJECT
+from tests.browser.lab import wait_for
+from tests.browser.notebook_page import run_notebook, screenshot
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
-SCREENSHOTS = PROJECT / "build" / "screenshots"
 MAKE = """import numpy as np
 from nao_course.geometry import Pose
 from nao_course.sim import Field
@@ -41,40 +38,23 @@ IN_THE_LENS = """below => {
 }"""
 
 
-def test_a_live_map_shows_what_python_sends_on_every_page(lab, chromium):
-    lab.console.clear()
-    with browser_page(chromium) as page:
-        lab.write("live.ipynb", MAKE, DRIVE, AGAIN)
-        lab.open(page, "live.ipynb")
-        lab.run_all(page)
-        assert lab.errors(page) == []
-        assert wait_for(lambda: page.locator(".nao-map-canvas").count() == 2, None, 60)
-        for number in (0, 1):
-            carpet, cell, post = (
-                page.evaluate(COLOUR, [number, *place])
-                for place in ((2000, -2300), (1000, 1000), (3000, 700))
-            )
-            assert carpet == [0xB5, 0xD1, 0xAC]
-            assert cell != carpet and post == [0x0B, 0x5F, 0xA5]  # a frontier, and a landmark of the estimate
-        legend = page.locator(".nao-map-legend").last.inner_text()
-        for name in (
-            "frontiers",
-            "camera's view",
-            "95 % ellipse",
-            "truth",
-            "your EKF",
-            "true lines and posts",
-        ):
-            assert name in legend
-        assert "estimated goal posts" in legend and "corners" not in legend  # the map has one post
-        assert page.locator(".nao-map-lens:visible").count() == 0  # the ellipse is large enough without
-        assert "truth: (1.45, 0.00) m" in page.locator(".nao-map-canvas").last.get_attribute("aria-label")
-        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-        page.screenshot(path=SCREENSHOTS / "live_map.png")
-        lab.write("sure.ipynb", MAKE, DRIVE, SURE)
-        lab.open(page, "sure.ipynb")
-        lab.run_all(page)
-        page.locator(".nao-map-lens").wait_for(timeout=60_000)
-        assert page.locator(".nao-map-lens").inner_text() == "10 cm around the estimate, enlarged"
-        assert page.evaluate(IN_THE_LENS, 25) != [0xB5, 0xD1, 0xAC] == page.evaluate(IN_THE_LENS, 45)
-    assert lab.our_errors() == []
+def test_a_live_map_shows_what_python_sends_on_every_page(lab, page):
+    run_notebook(lab, page, "live.ipynb", MAKE, DRIVE, AGAIN)
+    assert wait_for(lambda: page.locator(".nao-map-canvas").count() == 2, None, 60)
+    for number in (0, 1):
+        carpet, cell, post = (
+            page.evaluate(COLOUR, [number, *place]) for place in ((2000, -2300), (1000, 1000), (3000, 700))
+        )
+        assert carpet == [0xB5, 0xD1, 0xAC]
+        assert cell != carpet and post == [0x0B, 0x5F, 0xA5]  # a frontier, and a landmark of the estimate
+    legend = page.locator(".nao-map-legend").last.inner_text()
+    for name in ("frontiers", "camera's view", "95 % ellipse", "truth", "your EKF", "true lines and posts"):
+        assert name in legend
+    assert "estimated goal posts" in legend and "corners" not in legend  # the map has one post
+    assert page.locator(".nao-map-lens:visible").count() == 0  # the ellipse is large enough without
+    assert "truth: (1.45, 0.00) m" in page.locator(".nao-map-canvas").last.get_attribute("aria-label")
+    screenshot(page, "live_map")
+    run_notebook(lab, page, "sure.ipynb", MAKE, DRIVE, SURE)
+    page.locator(".nao-map-lens").wait_for(timeout=60_000)
+    assert page.locator(".nao-map-lens").inner_text() == "10 cm around the estimate, enlarged"
+    assert page.evaluate(IN_THE_LENS, 25) != [0xB5, 0xD1, 0xAC] == page.evaluate(IN_THE_LENS, 45)

@@ -10,8 +10,6 @@ from PIL import Image
 from tests.browser.lab import wait_for
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 DRAWN = "from nao_course import plotting as draw\nfrom nao_course.sim import Field\ndraw.draw_map(Field())"
 PHOTO = """import numpy as np

@@ -6,11 +6,9 @@ import pytest
 
 from tests.browser.filter_page import reference
 from tests.browser.lab import wait_for
-from tests.browser.notebook_page import screenshot
+from tests.browser.notebook_page import expect, panel_of, run_notebook, screenshot
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 GREEN = np.array([0x3F, 0x9B, 0x55])  # of the label, in all figures
 
@@ -33,25 +31,13 @@ def words(page):
     )
 
 
-def expect(page, said):
-    if not wait_for(lambda: said in words(page), None, 60):
-        pytest.fail(f"{said!r} is not in the panel's words, which are {words(page)!r}")
-
-
 def test_the_students_own_labels_drive_along(lab, page):
-    lab.write(
-        "mine.ipynb",
-        "import numpy as np\nfrom nao_course.student import my_nao, so_far\nso_far()",
-        reference(),
-        "panel = my_nao(time_limit=60)\npanel",
-    )
-    lab.open(page, "mine.ipynb")
-    lab.run_all(page)
-    assert lab.errors(page) == []
+    imports = "import numpy as np\nfrom nao_course.student import my_nao, so_far\nso_far()"
+    run_notebook(lab, page, "mine.ipynb", imports, reference(), "panel = my_nao(time_limit=60)\npanel")
     strip = page.locator(".nao-strip").text_content()
     assert "✔" not in strip and "next: labels (01)" in strip, "nothing was saved"
     page.locator(".nao-panel").wait_for(timeout=60_000)
-    expect(page, "labels: green")
+    expect(lambda: words(page), "labels: green")
     assert "✔ labels" in page.locator(".nao-ready").text_content()
     page.locator(".nao-panel").evaluate("each => each.scrollIntoView({block: 'end'})")
     wait_for(lambda: painted_green(page, "top") > 0.3, "labels beside the picture", 30)
@@ -60,7 +46,7 @@ def test_the_students_own_labels_drive_along(lab, page):
     page.locator(".nao-image-bottom").click(position={"x": 300, "y": 40})  # anywhere in the panel
     before = page.locator(".nao-image-top img").get_attribute("src")
     page.keyboard.press("w")
-    expect(page, "Walk 0.20 m ahead: done")
+    expect(lambda: words(page), "Walk 0.20 m ahead: done")
     assert page.locator(".nao-image-top img").get_attribute("src") != before
     assert painted_green(page, "top") > 0.3, "the labels follow the drive"
     screenshot(page, "my_nao")
@@ -71,18 +57,15 @@ def test_the_students_own_labels_drive_along(lab, page):
     picture = looked_at(page, "bottom")
     page.locator(".nao-keys").click()
     page.keyboard.press("v")
-    expect(page, "labels: green")
+    expect(lambda: words(page), "labels: green")
     wait_for(lambda: np.abs(looked_at(page, "bottom") - picture).mean() > 0.2, "labels over the picture", 30)
     assert painted_green(page, "top") < 0.2
 
 
 def test_the_keys_that_drive_destroy_nothing_beside_the_panel(lab, page):
     """D D would delete the cell, I I would interrupt the kernel; the menu still deletes a cell."""
-    lab.write("keys.ipynb", "from nao_course.student import my_nao\nmy_nao()", "1 + 1")
-    lab.open(page, "keys.ipynb")
-    lab.run_all(page)
-    panel = page.locator(".nao-panel")
-    panel.wait_for(timeout=60_000)
+    cells = "from nao_course.student import my_nao\nmy_nao()", "1 + 1"
+    panel = panel_of(lab, page, "keys.ipynb", *cells, kind=".nao-panel")
     box = panel.bounding_box()
     page.mouse.click(box["x"] + box["width"] + 6, box["y"] + box["height"] / 2)
     for key in "ddiixwwssjjkkll":

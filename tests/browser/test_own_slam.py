@@ -6,12 +6,10 @@ import shutil
 import pytest
 
 from tests.browser.lab import wait_for
-from tests.browser.notebook_page import screenshot
+from tests.browser.notebook_page import run_notebook, screenshot
 from tests.paths import PROJECT
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 PANEL = "from nao_course.student import my_nao\n\npanel = my_nao(time_limit=60)\npanel"
 
@@ -29,10 +27,7 @@ def words(page):
 
 def drive(lab, page, name):
     """Open the panel, hold a key until pictures have come, and stop."""
-    lab.write(name, PANEL)
-    lab.open(page, name)
-    lab.run_all(page, timeout=300)
-    assert lab.errors(page) == []
+    run_notebook(lab, page, name, PANEL, timeout=300)
     page.locator(".nao-panel .nao-board").wait_for(timeout=120_000)
     seen = page.locator(".nao-image-bottom img"), page.locator(".nao-map-canvas")
     before = seen[0].get_attribute("src"), seen[1].get_attribute("aria-label")

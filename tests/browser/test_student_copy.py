@@ -11,8 +11,6 @@ from tests.browser.notebook_page import cell_index, in_sight, into, screenshot, 
 from tests.paths import PROJECT
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 NAME = "01_hsl_filtering"
 EXERCISE = "rgb_to_hsl"

@@ -13,10 +13,9 @@ from nao_course.widgets.world.picture import cameras
 from nao_course.widgets.world.robot import camera_in_head
 from nao_course.widgets.world.scene import WorldScene
 from tests.browser.lab import browser_page, wait_for
+from tests.browser.notebook_page import panel_of
 
 pytestmark = pytest.mark.browser
-pytest.importorskip("jupyterlab")
-pytest.importorskip("playwright")
 
 CELL = """import numpy as np
 from nao_course.geometry import Pose
@@ -51,11 +50,7 @@ STATE = """() => {
 def opened(lab, chromium, *cells, webgl=True):
     lab.console.clear()
     with browser_page(chromium, webgl=webgl) as page:
-        lab.write("world.ipynb", *cells)
-        lab.open(page, "world.ipynb")
-        lab.run_all(page)
-        assert lab.errors(page) == []
-        page.wait_for_selector(".nao-world")
+        panel_of(lab, page, "world.ipynb", *cells, kind=".nao-world")
         yield page
         assert lab.our_errors() == []
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 import time
 from dataclasses import replace
@@ -58,15 +57,11 @@ def test_the_worst_case_of_a_cost_is_the_largest():
     [
         (lambda numbers: None, "must return shape"),
         (lambda numbers: np.zeros(7), "must return shape (1,), got (7,)"),
-        (lambda numbers: "abc", "could not convert"),
         (raises(KeyError("white")), "KeyError in your entry"),
         (raises(SystemExit(1)), "SystemExit"),
         (raises(NoException()), "NoException in your entry."),
-        (raises(GeneratorExit()), "GeneratorExit"),
         (raises(NotImplementedError("soon")), "not written yet"),
-        (lambda numbers: sys.setrecursionlimit(-1), "ValueError"),
-        (lambda: 0, "TypeError in your entry"),
-        (forever, "Time is up"),
+        (lambda: 0, "TypeError in your entry: "),
         (forever_whatever_happens, "Time is up"),
     ],
 )
@@ -111,16 +106,6 @@ def test_an_entry_that_answered_once_goes_on_whatever_fails_later():
     assert came.complete and len(came.results) == 8 and came.score == pytest.approx(1 / 8)
 
 
-def test_an_entry_without_any_answer_has_no_score():
-    came = run(replace(CHALLENGE, seeds=(1,)), lambda numbers: None)
-    assert not came.complete and came.stopped == "No scene had a usable answer, so there is no score."
-
-
-def test_an_entry_with_too_few_arguments_is_told_so_without_a_line_of_ours():
-    came = run(replace(CHALLENGE, seeds=(1,)), lambda: 0)
-    assert "TypeError in your entry: " in came.problems()[0] and "takes 0 positional" in came.problems()[0]
-
-
 def test_a_function_that_changes_what_it_is_given_scores_nothing_and_spoils_no_scene():
     def entry(numbers):
         numbers *= 2
@@ -146,14 +131,6 @@ def test_an_entry_that_is_late_again_and_again_is_given_up_and_says_why():
     came = run(replace(CHALLENGE, seeds=tuple(range(1, 31)), seconds=0.2, seconds_in_all=100.0), endless)
     assert len(came.results) == MOST_LATE and not came.complete
     assert came.stopped.startswith(f"Stopped after {MOST_LATE} of 30 scenes, without a score: Time is up")
-
-
-def test_an_entry_whose_answer_is_none_where_a_value_is_wanted_is_not_asked_for_a_function():
-    came = run(replace(CHALLENGE, takes_values=True), None)
-    assert (
-        came.stopped
-        == "The entry is None, but this challenge needs the answer itself: did you assign it to that name?"
-    )
 
 
 def test_the_time_for_all_cases_is_limited_too():

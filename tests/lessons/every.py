@@ -57,6 +57,12 @@ def graded(name, exercise):
     return grade_public(public_exercise(name, exercise), reference(name)[exercise])
 
 
+def quotes(text, *numbers):
+    """Assert that a text contains each of some numbers, written with their units."""
+    missing = [each for each in numbers if not re.search(rf"(?<![\d.-]){re.escape(each)}(?!\d)", text)]
+    assert not missing, f"the text does not say {missing}"
+
+
 @cache
 def waived(name):
     """Return the rules that a lesson's plan waives, with their reasons."""

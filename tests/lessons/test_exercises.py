@@ -1,5 +1,7 @@
 """Every exercise of every lesson keeps the rules of docs/write_a_lesson.md, by their numbers there."""
 
+import subprocess
+import sys
 import time
 
 import pytest
@@ -108,3 +110,13 @@ def test_hidden_cases_catch_mutants_of_the_solutions(name):
     known = {line for trial in report.equivalents for line in trial.mutant.lines}
     for exercise in COURSE.plan(name).exercises:
         assert exercise.equivalents.keys() <= known, f"{exercise.name}: no mutant, or none that is right"
+
+
+def test_checks_load_no_panel_and_no_figure():
+    """A check in a terminal needs no widgets, and they take most of a second to import."""
+    heavy = "'ipywidgets', 'matplotlib.figure', 'nao_course.widgets'"
+    modules = ("graph_slam.drivers", "experiments.intervals", "hough_corners.segments")
+    imports = "\n".join(f"import nao_course.lessons.{each}" for each in modules)
+    script = f"import sys\n{imports}\nprint([name for name in ({heavy}) if name in sys.modules])"
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert loaded.stdout.strip() == "[]"

@@ -37,20 +37,6 @@ def test_a_lesson_that_adds_nothing_to_the_robot_says_so(here):
     assert "adds no stage" not in repr(so_far("00", LONG))
 
 
-def test_it_says_why_what_comes_next_is_not_there(here):
-    toy.write(here / "90_toy.ipynb", toy.CLAMP, "def mean_of_positive(values):\n    return 0.0")
-    assert repr(so_far(seconds=LONG)) == (
-        "Your NAO so far: nothing yet · next: distances (90) "
-        "(mean_of_positive of lesson 90 does not pass its check yet)"
-    )
-
-
-def test_before_the_first_lesson_it_says_so():
-    assert repr(so_far(seconds=LONG)) == (
-        "Your NAO so far: nothing yet · next: distances (90) (90_toy.ipynb is not in your folder work)"
-    )
-
-
 def test_at_the_end_of_the_course_nothing_comes_next(here, monkeypatch):
     monkeypatch.setattr(stages, "PLANNED", {"90": "distances"})
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)

@@ -43,18 +43,13 @@ def test_what_fits_is_kept_as_a_browser_would_round_it(control, given, kept, sai
     ("control", "given", "said"),
     [
         (TILT, 5.1, "tilt must be from -5 to 5°, got 5.1"),
-        (TILT, float("nan"), "tilt must be from -5 to 5°, got nan"),
-        (TILT, "much", "tilt must be from -5 to 5°, got 'much'"),
         (TILT, True, "tilt must be"),
         (HUES, 5, "hues must be two numbers from 0 to 360, got 5"),
-        (HUES, (1, 2, 3), "hues must be two numbers"),
         (HUES, (20, 10), "hues must have its smaller number first"),
         (HUES, (0, 361), "hues must be from 0 to 360, got 361"),
         (ROW, 101, "row must be one of 100, 150, 200; got 101"),
         (LENS, 1, "lens must be True or False, got 1"),
         (PIXEL, (320, 0), "u a whole number from 0 to 319 and v from 0 to 239; got"),
-        (PIXEL, (1.5, 0), "pixel must be a pixel"),
-        (PIXEL, "here", "pixel must be a pixel"),
         (AGAIN, -1, "again must be a number of presses"),
     ],
 )

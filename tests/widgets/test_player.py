@@ -5,7 +5,7 @@ import asyncio
 import numpy as np
 import pytest
 
-from nao_course.widgets import Action, Choice, PlayerPanel, Slider
+from nao_course.widgets import PlayerPanel, Slider
 from tests.widgets.robots import all_widgets
 
 FAST = {"fast": 1e4, "slow": 2.0}
@@ -95,14 +95,6 @@ def test_who_takes_over_stops_it(who):
     asyncio.run(drive())
 
 
-def test_without_a_kernel_to_play_is_to_see_the_end():
-    panel = make(start=7)
-    press(panel, "forwards")
-    assert panel.values.step == 20
-    press(panel, "backwards")
-    assert panel.values.step == 0
-
-
 def test_a_key_that_is_held_has_the_pace_of_the_speed():
     panel = make()
     assert "nao-repeat-0" in panel.widget._dom_classes
@@ -134,14 +126,6 @@ def test_with_one_speed_there_is_nothing_to_choose_and_backwards_may_be_left_out
     panel = make(speeds={"one": 1.4}, backwards=False)
     assert "speed" not in panel.values and "backwards" not in panel.values and panel.speed == 1.4
     assert "nao-repeat-714" in panel.widget._dom_classes
-
-
-def test_what_else_can_be_set_and_pressed_is_as_in_any_panel():
-    panel = make(Choice("turn", "Turn", ("a", "b")), Action("again", "Again"))
-    panel.set(turn="b")
-    assert "At 0b." in panel.summary()
-    press(panel, "again")
-    assert panel.values.again == 1
 
 
 def test_all_of_the_keys_hint_has_room():

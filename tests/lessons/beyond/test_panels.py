@@ -73,22 +73,6 @@ def test_a_function_that_was_mended_explores_anew(own):
     assert known(other) < right - 20 and "with 0 frontier cells" in other.summary()
 
 
-@pytest.mark.parametrize("name", ["find_frontiers", "travel_steps"])
-def test_what_is_not_written_is_named(own, name):
-    def unwritten(*given):
-        raise NotImplementedError
-
-    functions = {key: own[key] for key in ("find_frontiers", "travel_steps")} | {name: unwritten}
-    said = ExplorePanel(**functions).summary()
-    assert f"Finish exercise 12.{5 if name == 'find_frontiers' else 6}" in said
-
-
-def test_nonsense_is_said_in_words(own):
-    for nonsense in (None, 3, [[True]]):
-        said = ExplorePanel(lambda grid, answer=nonsense: answer, own["travel_steps"]).summary()
-        assert "find_frontiers" in said
-
-
 def test_a_drive_is_the_one_of_the_lessons_table_and_another_rule_drives_elsewhere(own, ekf):
     panel = MovesPanel(own["choose_move"], *ekf)
     panel.set(move=planning.MOVES, drive=3)

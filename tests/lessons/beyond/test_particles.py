@@ -9,7 +9,6 @@ from nao_course.lessons.beyond.particles import (
     FastSlam,
     chosen,
     effective,
-    find_itself,
     log_weights,
     normalised,
     run_fast_slam,
@@ -81,12 +80,8 @@ def test_a_generator_of_the_students_own_is_noticed():
     [
         ([0, 1], "3 whole numbers"),
         ([0.0, 1.0, 2.0], "whole numbers"),
-        (None, "returned None"),
-        ([1, 2, 3], "from 0 to 2"),
         ([-1, 0, 1], "from 0 to 2"),
-        ("012", "3 whole numbers"),
         ([[0, 1, 2]], "3 whole numbers"),
-        (10**9, "3 whole numbers"),
         ([0, 1, 10**12], "from 0 to 2"),
     ],
 )
@@ -124,13 +119,6 @@ def test_a_landmark_without_a_name_weighs_as_the_mean_of_its_kind(own):
         np.exp(own["weigh"](particles, place, seen, SENSOR.covariances(seen[None])[0])) for place in places
     ]
     assert np.allclose(np.exp(logs), np.mean(each, axis=0) + 1e-3)
-
-
-def test_a_lost_robot_finds_its_place(own):
-    clouds = find_itself(own["weigh"], own["resample"], lap(2, 12), np.random.default_rng(2), 2000)
-    truth = lap(2, 12)[-1].pose
-    assert np.hypot(*(np.median(clouds[-1][:, :2], axis=0) - truth[:2])) < 0.2
-    assert np.ptp(clouds[0][:, 1]) > 3
 
 
 def test_without_noise_every_particle_drives_the_truth_and_maps_it(own, still):
@@ -180,8 +168,3 @@ def test_the_mean_of_headings_knows_the_turn(still):
     belief = slam.belief()
     assert abs(belief.pose[2]) == pytest.approx(np.pi)
     assert belief.covariance[2, 2] == pytest.approx(0.01)
-
-
-def test_nees_is_three_squares_for_one_standard_deviation_each():
-    belief = Belief(np.array([1.0, 2.0, np.pi]), np.diag([0.04, 0.09, 0.01]))
-    assert belief.nees(np.array([1.2, 2.3, -np.pi + 0.1])) == pytest.approx(3, rel=1e-4)

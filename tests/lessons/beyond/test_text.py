@@ -11,6 +11,7 @@ from nao_course.lessons.beyond.exploring import anywhere_known, explore, nearest
 from nao_course.lessons.beyond.figures import FOUND, LOST_SEED, LOST_SHOWN, lap
 from nao_course.lessons.beyond.particles import anywhere, find_itself
 from nao_course.lessons.beyond.stage import MOST_SIGMA, RETURN
+from tests.lessons.every import quotes
 from tests.paths import PROJECT, SOLUTIONS
 
 TEXT = (SOLUTIONS / "12_beyond.md").read_text(encoding="utf-8")
@@ -30,105 +31,84 @@ def recorded(name):
 
 
 def test_the_text_says_how_consistent_filter_and_particles_were():
-    told = section("Thirty moves in a circle")
     measured = recorded("particles")
     rows = {row["particles"]: row for row in measured["rows"]}
-    assert (
-        measured["drives"] == 30 and "thirty drives of 150 moves" in told and len(rows[None]["error"]) == 151
-    )
-    single = {n: row["ancestors"].index(1) for n, row in rows.items() if n in (100, 1000)}
-    assert f"only one of the hundred initial particles has descendants after {single[100]} moves." in told
-    assert f"With a thousand particles it takes {single[1000]} moves." in told
-    off = {n: 100 * row["error"][150] for n, row in rows.items()}
+    off = {n: f"{100 * row['error'][150]:.1f} cm" for n, row in rows.items()}
     nees = {n: row["nees"][150] for n, row in rows.items()}
-    assert (
-        f"the median error of the Kalman filter is {off[None]:.1f} cm and its NEES {nees[None]:.1f}." in told
+    quotes(
+        section("Thirty moves in a circle"),
+        *(f"{rows[n]['ancestors'].index(1)} moves" for n in (100, 1000)),
+        off[None],
+        f"NEES {nees[None]:.1f}",
+        *(f"{off[n]} and {nees[n]:.0f}" for n in (100, 300, 1000)),
+        off[10],
+        f"{rows[300]['nees'][10]:.1f} after ten moves",
+        "fifty",
     )
-    for words, n in (
-        ("they are {:.1f} cm and {:.0f} with a hundred particles,", 100),
-        ("{:.1f} cm and {:.0f} with three hundred,", 300),
-        ("{:.1f} cm and {:.0f} with a thousand.", 1000),
-    ):
-        assert words.format(off[n], nees[n]) in told
-    assert (
-        f"With ten particles the error is {off[10]:.1f} cm, and the NEES is too large for the figure" in told
-        and nees[10] > 100
-    )
-    assert f"(with three hundred the NEES is still {rows[300]['nees'][10]:.1f} after ten moves)" in told
     low, high = measured["band"]
-    assert low < rows[300]["nees"][10] < high and low < nees[None] < high < min(
-        nees[n] for n in (10, 100, 300, 1000)
-    )
-    assert "takes about fifty times as long" in told and 35 < rows[100]["ms"] / rows[None]["ms"] < 65
+    assert measured["drives"] == 30 and len(rows[None]["error"]) == 151 and nees[10] > 100
+    assert low < rows[300]["nees"][10] < high and low < nees[None] < high
+    assert high < min(nees[n] for n in (10, 100, 300, 1000))
+    assert 35 < rows[100]["ms"] / rows[None]["ms"] < 65  # about fifty times as long
 
 
 def test_the_text_says_what_two_cameras_measured():
-    told = section("When are two cameras better?")
-    at_two = {row["width"]: row for row in recorded("cameras")["rows"] if row["distance"] == 2}
-    (one,) = {f"{row['one']:.2f}" for row in at_two.values()}
-    both = [
-        f"{at_two[width]['both']:.2f} m at {size}" for width, size in ((320, "320x240"), (640, "640x480"))
-    ]
-    last = f"{at_two[1280]['both']:.2f} m at 1280x960"
-    assert f"At 2 m the error of one camera is {one} m at any resolution." in told
-    assert f"The error of both is {both[0]}, {both[1]}, {last}." in told
-    assert f"{100 * at_two[320]['both']:.0f} cm at 2 m, the same as one camera's error due to tilt" in told
+    rows = recorded("cameras")["rows"]
+    at_two = {row["width"]: row for row in rows if row["distance"] == 2}
+    (one,) = {f"{row['one']:.2f} m" for row in at_two.values()}
+    both = [f"{at_two[width]['both']:.2f} m at {width}x{width * 3 // 4}" for width in (320, 640, 1280)]
+    quotes(section("When are two cameras better?"), one, *both, f"{100 * at_two[320]['both']:.0f} cm at 2 m")
     # The answer to the question `when_both_pay`: no r in it
-    ratios = {row["one"] / row["both"] for row in recorded("cameras")["rows"] if row["width"] == 320}
+    ratios = {row["one"] / row["both"] for row in rows if row["width"] == 320}
     assert min(ratios) > 0.85 and max(ratios) < 1.0
-    assert "is nearly four times as large" in told and round(at_two[1280]["one"] / at_two[1280]["both"]) == 4
+    assert round(at_two[1280]["one"] / at_two[1280]["both"]) == 4
 
 
 def test_the_text_says_what_was_explored():
-    told = section("Exercise 12.6 (three stars)")
     rooms = recorded("exploring")
-    known = {way: 100 * np.array(each["quartiles"][1]) for way, each in rooms["variants"].items()}
-    frontier, chance, lanes = (known[name] for name in ("nearest frontier", "at random", "lanes"))
-    assert rooms["rooms"] == 30 and "the median of thirty rooms" in told
-    assert f"After 30 moves your two functions have seen {frontier[30]:.0f} % of the room" in told
-    assert f"of the room, random places {chance[30]:.0f} % and lanes {lanes[30]:.0f} %." in told
-    ends = f"{frontier[60]:.0f} %, {chance[60]:.0f} % and {lanes[60]:.0f} %."
-    assert f"After 60 moves it is {ends}" in told
+    known = [
+        100 * np.array(rooms["variants"][way]["quartiles"][1])
+        for way in ("nearest frontier", "at random", "lanes")
+    ]
+    after = [f"{each[moves]:.0f} %" for moves in (30, 60) for each in known]
+    quotes(section("Exercise 12.6 (three stars)"), *after)
+    assert rooms["rooms"] == 30
 
 
 def test_the_text_says_what_the_choice_is_worth_and_a_quarter_of_the_uncertainty_is_saved():
-    told = section("The most informative move") + section("Exercise 12.7 (three stars)")
     moves = recorded("moves")
     at_end = {
         name: [100 * np.median(each[key]) for key in ("sigma", "error")]
         for name, each in moves["variants"].items()
     }
-    chosen, chance, circle = (at_end[name] for name in ("smallest variance", "at random", "in a circle"))
-    assert moves["drives"] == 30 and "thirty drives" in told
-    assert f"standard deviation at the end is {chosen[0]:.1f} cm and the error {chosen[1]:.1f} cm" in told
-    assert f"with random moves {chance[0]:.1f} cm and {chance[1]:.1f} cm." in told
-    saved, low, high = (f"{100 * each:.0f}" for each in moves["saved"])
-    assert f"is {saved} % smaller (95 % interval from {low} to {high} %)" in told
-    assert 1 - chosen[0] / chance[0] >= 0.25  # asked of the course
-    nees, (low, high) = np.mean(moves["variants"]["smallest variance"]["nees"]), moves["band"]
-    assert (
-        f"With chosen moves the filter's mean NEES is {nees:.1f}, inside the band" in told
-        and low < nees < high
+    chosen, chance, circle, edge = (
+        at_end[name] for name in ("smallest variance", "at random", "in a circle", "along the edge")
     )
-    edge = f"{at_end['along the edge'][0]:.0f} cm"
-    assert f"all known landmarks are behind the robot, and the standard deviation ends at {edge}" in told
+    saved, low, high = (f"{100 * each:.0f}" for each in moves["saved"])
+    nees = np.mean(moves["variants"]["smallest variance"]["nees"])
     half_way = 100 * np.array(moves["variants"]["in a circle"]["sigmas"])[:, 1].max()
-    assert f"ends at {circle[0]:.1f} cm, although it was {half_way:.0f} cm half-way round" in told
+    quotes(
+        section("The most informative move") + section("Exercise 12.7 (three stars)"),
+        *(f"{each:.1f} cm" for each in (*chosen, *chance, circle[0])),
+        f"{saved} % smaller (95 % interval from {low} to {high} %)",
+        f"NEES is {nees:.1f}",
+        f"{edge[0]:.0f} cm",
+        f"{half_way:.0f} cm",
+    )
+    low, high = moves["band"]
+    assert moves["drives"] == 30 and low < nees < high
+    assert 1 - chosen[0] / chance[0] >= 0.25  # asked of the course
 
 
 def test_from_a_blind_start_the_choice_ends_less_certain_than_random_moves_and_with_a_larger_error():
     back = recorded("moves")["back"]
-    told = section("With its back to the goal")
-    assert f"of twelve such drives is {np.median(back['at random']['sigma'][:12]):.2f} m" in told
     chosen, chance = (
         [np.median(back[name][key]) for key in ("sigma", "error")]
         for name in ("smallest variance", "at random")
     )
+    twelve = np.median(back["at random"]["sigma"][:12])
+    quotes(section("With its back to the goal"), *(f"{each:.2f} m" for each in (twelve, *chosen, *chance)))
     assert chosen[0] > chance[0] and chosen[1] > chance[1]
-    assert (
-        f"{chosen[0]:.2f} m with your choice and {chance[0]:.2f} m with random moves, "
-        f"but the median error is {chosen[1]:.2f} m and {chance[1]:.2f} m" in told
-    )
     assert np.mean(back["smallest variance"]["nees"]) > 10
 
 

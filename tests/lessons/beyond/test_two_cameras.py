@@ -52,12 +52,6 @@ def test_tilt_changes_the_distance_of_one_camera_but_not_of_two(functions, monke
     assert one == pytest.approx(expected_sigmas(2.0, 640)[0], rel=0.35) and both < one / 20
 
 
-def test_finer_pictures_help_two_cameras_and_not_one(functions):
-    coarse, fine = (measure_again(*functions, 2.0, (w, w * 3 // 4), count=100).sigmas for w in (320, 1280))
-    assert fine[0] == pytest.approx(coarse[0], rel=0.2)
-    assert fine[1] == pytest.approx(coarse[1] / 4, rel=0.35)
-
-
 @pytest.mark.parametrize(("pitched", "bottom_sees"), [(0.2, False), (-0.2, True)])
 def test_a_point_that_one_camera_alone_sees_is_not_measured_by_both(functions, pitched, bottom_sees):
     distances = measure_again(*functions, 2.0, SIZE, pitch=pitch_for(2.0) + pitched, count=5)

@@ -34,13 +34,6 @@ def test_uncalibrated_distances_are_metres_off_and_calibrated_ones_decimetres():
     assert after[0][0] < 0.08 and after[1][0] < 0.2
 
 
-def test_marks_are_as_many_as_places_and_the_same_each_time():
-    first, second = (marked_pictures(3, rng=5) for _ in range(2))
-    for one, other in zip(first, second, strict=True):
-        assert len(one.pixels) == len(one.ground) >= 4
-        assert np.array_equal(one.pixels, other.pixels)
-
-
 def test_errors_are_binned_by_the_true_distance_and_a_missing_one_is_infinite():
     true = np.array([1.5, 1.6, 2.5, 3.5, 4.5])
     errors = np.array([-0.1, 0.3, np.nan, 0.2, 1.0])

@@ -88,13 +88,6 @@ def test_an_answer_of_another_kind_is_said_with_the_functions_name(answer, said)
         draw_arrows({"the arrows": answer}, usual_view())
 
 
-def test_lists_are_drawn_like_arrays():
-    def as_lists(pixels, view):
-        return own()["pixel_to_ground"](pixels, view).tolist()
-
-    assert draw_tilt_band(as_lists, own()["ground_to_measurement"]).alt == draw_tilt_band(**geometry()).alt
-
-
 def test_the_payoff_says_how_far_its_points_are_off():
     words = draw_payoff(**geometry(), measurement_covariance=own()["measurement_covariance"]).alt
     median = float(re.search(r"(\d\.\d\d) m from their landmarks in the median", words)[1])

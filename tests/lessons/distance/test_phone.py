@@ -278,12 +278,3 @@ def test_no_landmark_and_one_above_the_horizon_are_said():
     panel = lab(find=lambda pixels: sky)
     panel.set(pitch=20.0)
     assert "at or above the horizon: their points are NaN" in panel.summary()
-
-
-def test_what_is_not_written_is_named_and_the_photo_is_shown():
-    def blank(*given):
-        raise NotImplementedError
-
-    panel = lab(find=blank)
-    assert "Finish lessons 01 to 03" in panel.summary() and "The photo" in panel.shown.pictures
-    assert "Finish exercise 4.4" in lab(to_ground=blank).summary()

@@ -50,13 +50,3 @@ def test_one_of_both_is_enough_and_a_pixel_of_the_sky_is_left_out():
 def test_without_posts_and_corners_it_says_who_finds_them():
     _, seen = looked([])
     assert "lessons 02 and 03" in seen.overlays["points on the map"].text
-
-
-def test_nonsense_is_said_in_words_and_the_drive_goes_on():
-    posts, _ = pixels_of("post")
-    for nonsense in (None, np.zeros((1, 2)), "far"):
-        _, seen = looked(
-            [finding("goal posts", posts)], {"pixel_to_ground": lambda pixels, view, answer=nonsense: answer}
-        )
-        (said,) = seen.complaints
-        assert said.startswith("Without points on the map: ")

@@ -34,11 +34,6 @@ def test_each_bug_is_the_formula_of_its_name(solution, predictions, rng):
         assert np.allclose(predictions.wrong(bug, covariance, theta, BUG_DRIVE, noise), wanted)
 
 
-def test_a_transposed_jacobian_is_most_wrong_at_45_degrees(predictions):
-    headings = np.arange(0, 91)
-    assert headings[np.argmax(predictions.off("GᵀQG", np.radians(headings)))] == 45
-
-
 def test_bugs_hide_and_show_at_the_headings_that_the_lesson_names(predictions):
     headings = np.radians([0, 45, 90, 135, 180])
     swapped, unturned, wrong = (

@@ -21,10 +21,6 @@ def functions(solution):
     return [solution[name] for name in NAMES]
 
 
-def blank(*given):
-    raise NotImplementedError
-
-
 def test_the_lap_ends_where_it_starts(functions):
     found = estimates(*functions)
     assert found.poses[-1] == pytest.approx([0, 0, 2 * np.pi], abs=1e-12)
@@ -63,11 +59,6 @@ def test_a_transpose_on_the_wrong_side_loses_robots(functions, solution):
         return F.T @ covariance @ F + G @ noise @ G.T
 
     assert share_inside(estimates(functions[0], wrong)) < 0.8
-
-
-def test_what_is_not_written_is_named(functions):
-    assert "Finish exercise 5.1" in LapPanel(blank).summary()
-    assert "Finish exercises 5.4 and 5.5" in LapPanel(functions[0], blank).summary()
 
 
 def test_the_figure_says_what_it_shows(functions):

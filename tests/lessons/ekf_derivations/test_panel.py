@@ -16,10 +16,6 @@ NAMES = (
 )
 
 
-def blank(*given):
-    raise NotImplementedError
-
-
 @pytest.fixture
 def panel(solution):
     return LinearisationPanel(*(solution[name] for name in NAMES))
@@ -51,31 +47,6 @@ def test_an_expected_landmark_does_not_bend_with_the_heading_but_near_by(panel):
     for distance, off in ((0.6, 0.08), (0.5, 0.09), (0.4, 0.12)):
         panel.set(heading=5, position=0.3, distance=distance)
         assert f"range: mean off by {off:.2f} m" in panel.summary()
-
-
-@pytest.mark.parametrize(
-    ("missing", "what", "said"),
-    [
-        ("predict_pose", None, "Finish exercise 5.1"),
-        ("predict_covariance", None, "Finish exercises 5.4 and 5.5"),
-        ("landmark_jacobians", LANDMARK, "Finish exercise 5.6"),
-        ("measurement_jacobian_pose", MEASUREMENT, "Finish exercise 5.8"),
-    ],
-)
-def test_what_is_not_written_is_named(solution, missing, what, said):
-    functions = {name: solution[name] for name in NAMES} | {missing: blank}
-    panel = LinearisationPanel(**functions)
-    if what:
-        panel.set(what=what)
-    assert said in panel.summary()
-
-
-def test_the_same_values_show_the_same_samples(panel):
-    first = panel.summary()
-    panel.set(direction=90)
-    assert panel.summary() != first
-    panel.reset()
-    assert panel.summary() == first and np.isfinite(panel.shown.pictures[""]).all()
 
 
 def test_the_shares_of_the_text_are_those_of_very_many_samples(solution):

@@ -21,24 +21,9 @@ def adds_the_heading_and_does_not_wrap(pose, landmark):
     return np.arctan2(dy, dx) + pose[2], np.hypot(dx, dy)
 
 
-def from_the_landmark_and_not_wrapped(pose, landmark):
-    dx, dy = pose[:2] - landmark
-    return np.arctan2(dy, dx) - pose[2], np.hypot(dx, dy)
-
-
-def subtracts_the_bearing_and_swaps(pose, measurement):
-    angle = pose[2] - measurement[0]
-    return pose[:2] + measurement[1] * np.array([np.sin(angle), np.cos(angle)])
-
-
 def two_signs(pose, control):
     c, s, d = np.cos(pose[2]), np.sin(pose[2]), control[0]
     return np.array([[1, 0, d * s], [0, 1, d * c], [0, 0, 1]]), np.array([[c, s, 0], [s, c, 0], [0, 0, 1]])
-
-
-def no_distance_and_a_sign(pose, control):
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    return np.array([[1, 0, s], [0, 1, c], [0, 0, 1]]), np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
 def both_divisors(pose, landmark):
@@ -61,24 +46,9 @@ def both_divisors(pose, landmark):
             ["two errors", "wrap_angle", "You add the heading"],
         ),
         (
-            "expected_measurement",
-            from_the_landmark_and_not_wrapped,
-            ["two errors", "dx is l_x - x", "wrapped"],
-        ),
-        (
-            "landmark_position",
-            subtracts_the_bearing_and_swaps,
-            ["two errors", "subtract the bearing", "swapped"],
-        ),
-        (
             "motion_jacobians",
             two_signs,
             ["two errors", "F[0, 2] has the wrong sign", "G[0, 1] has the wrong sign"],
-        ),
-        (
-            "motion_jacobians",
-            no_distance_and_a_sign,
-            ["two errors", "F[0, 2] has the wrong sign", "factor d is missing"],
         ),
         ("measurement_jacobian_pose", both_divisors, ["The two divisors are exchanged"]),
     ],

@@ -221,20 +221,3 @@ def test_what_sympy_derives_is_what_numpy_computes(solution, places):
         compiled = sympy.lambdify([*pose, *others], symbolic)
         wanted = np.array([compiled(*pose_at, *at) for pose_at, at in zip(poses.T, given.T, strict=True)])
         assert np.allclose(each(numeric, poses, given), wanted, atol=1e-12)
-
-
-def test_the_examples_of_the_docstrings_are_right(solution):
-    half = np.pi / 2
-    assert np.allclose(
-        solution["predict_pose"](np.array([1, 2, half]), (0.5, np.pi / 6)), [1, 2.5, 2 * np.pi / 3]
-    )
-    assert np.allclose(solution["expected_measurement"](np.array([1, 1, half]), (0, 1)), [half, 1])
-    assert np.allclose(solution["landmark_position"]((1, 1, half), (half, 1)), [0, 1])
-    F, G = solution["motion_jacobians"]((0, 0, 0), (2, 0.3))
-    assert np.allclose(F, [[1, 0, 0], [0, 1, 2], [0, 0, 1]]) and np.allclose(G, np.eye(3))
-    spread = solution["predict_covariance"](np.diag([0, 0, 0.01]), (0, 0, 0), (2, 0.3), np.zeros((3, 3)))
-    assert np.allclose(spread, [[0, 0, 0], [0, 0.04, 0.02], [0, 0.02, 0.01]])
-    by_pose, by_measurement = solution["landmark_jacobians"]((0, 0, 0), (0, 2))
-    assert np.allclose(by_pose, [[1, 0, 0], [0, 1, 2]]) and np.allclose(by_measurement, [[0, 1], [2, 0]])
-    assert np.allclose(solution["measurement_jacobian_pose"]((0, 0, 0), (2, 0)), [[0, -0.5, -1], [-1, 0, 0]])
-    assert np.allclose(solution["measurement_jacobian_landmark"]((0, 0, 0), (2, 0)), [[0, 0.5], [1, 0]])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.datasets import read_homework_log
-from nao_course.lessons.ekf_slam.ablations import ablate, ablation_table, draw_ablations, draw_turn_last
+from nao_course.lessons.ekf_slam.ablations import ablate, ablation_table, draw_ablations
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, own_log
 
 
@@ -65,12 +65,6 @@ def test_table_and_figure_say_the_same(ablations):
         *("σx / 10", "σy / 10", "σα / 10", "σβ / 10", "σr / 10"),
     ]
     assert f"σx × 10: {ablations[1].position / ablations[0].position:.2g} and" in drawing.alt
-
-
-def test_the_figure_of_the_turn_tells_of_all_four_maps(functions):
-    drawing = draw_turn_last(own_log(), *functions, OWN_SIGMAS)
-    assert len(drawing.figure.axes) == 4
-    assert drawing.alt.count("each step") == 2 and drawing.alt.count("every 5th step") == 2
 
 
 def test_on_the_homeworks_log_the_reports_findings_hold(functions, data_dir):

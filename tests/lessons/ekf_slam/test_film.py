@@ -7,7 +7,6 @@ from nao_course.lessons.ekf_slam.film import (
     CORRELATION,
     between_landmarks,
     correlations,
-    draw_film,
     draw_frames,
     record_film,
     say_frame,
@@ -70,22 +69,10 @@ def test_words_say_step_standard_deviation_and_error(film):
     assert "after step 3, updated" in say_frame(film, 6).lower() and say_frame(film, 6).endswith("cm off.")
 
 
-def test_the_payoff_has_a_column_for_each_of_four_frames(film, film_functions):
-    assert draw_film(*film_functions).alt == draw_frames(film).alt
-    assert draw_frames(film, (0, 1)).alt.count("standard deviation of the robot") == 2
-
-
 def test_an_error_names_the_function_that_returned_the_wrong_type(film_functions):
     init_landmarks, predict, _ = film_functions
     with pytest.raises(ValueError, match="update must return"):
         record_film(init_landmarks, predict, lambda *given: None)
-
-
-def test_landmarks_on_the_map_have_the_numbers_of_the_matrixs_rows(film):
-    above, below, *_ = draw_frames(film, [2]).figure.axes
-    rows = [label.get_text() for label in below.get_yticklabels()]
-    assert [each.get_text() for each in above.texts] == rows[1:] == ["1", "2", "3", "4", "5", "6"]
-    assert [each.xy for each in above.texts] == pytest.approx(film.truth)
 
 
 def test_a_small_correlation_is_no_white_and_none_is():

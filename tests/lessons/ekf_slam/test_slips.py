@@ -9,8 +9,6 @@ from nao_course.lessons.ekf_slam.noise import joint_noise
 from tests.lessons.every import public_exercise
 from tests.paths import SOLUTIONS
 
-WRAP, BLOCKS = "Apply warp2pi to state[2] after the motion", "blocks between pose and map stayed as they were"
-
 
 @pytest.fixture(scope="module")
 def functions(own):
@@ -19,23 +17,6 @@ def functions(own):
     models = "predict_pose", "motion_jacobians", "expected_measurement"
     jacobians = "measurement_jacobian_pose", "measurement_jacobian_landmark"
     return {"warp2pi": own["warp2pi"], **{name: earlier[name] for name in (*models, *jacobians)}}
-
-
-def predicting(functions, *, blocks="right", wrap=True, rotate=True):
-    """Return a student's `predict`, perhaps with slips."""
-
-    def predict(state, covariance, control, control_covariance, k):
-        new, P = state.copy(), covariance.copy()
-        F, G = functions["motion_jacobians"](state[:3], control)
-        new[:3] = functions["predict_pose"](state[:3], control)
-        new[2] = functions["warp2pi"](new[2]) if wrap else new[2]
-        P[:3, :3] = F @ P[:3, :3] @ F.T + (G @ control_covariance @ G.T if rotate else control_covariance)
-        if blocks != "left":
-            P[:3, 3:] = F @ P[:3, 3:]
-            P[3:, :3] = P[:3, 3:].T if blocks == "right" else covariance[3:, :3] @ F
-        return new, P
-
-    return predict
 
 
 def by_passes(angle):
@@ -92,30 +73,11 @@ def said(name, function):
 @pytest.mark.parametrize(
     ("slips", "words"),
     [
-        ({"blocks": "left"}, [BLOCKS]),
-        ({"blocks": "left", "wrap": False}, ["two errors", BLOCKS, WRAP]),
-        ({"blocks": "P_lp F"}, ["below it you compute P_lp F"]),
-        ({"blocks": "P_lp F", "wrap": False}, ["two errors", "below it you compute P_lp F", WRAP]),
-        ({"rotate": False, "wrap": False}, ["two errors", "add Q without rotating it", WRAP]),
-        ({"rotate": False, "blocks": "left"}, ["two errors", "add Q without rotating it", BLOCKS]),
-    ],
-)
-def test_slips_of_predict_are_named_alone_and_together(functions, slips, words):
-    text = said("predict", predicting(functions, **slips))
-    assert all(each in text for each in words), text
-
-
-@pytest.mark.parametrize(
-    ("slips", "words"),
-    [
-        ({"each": True}, ["You update with one landmark after the other"]),
         (
             {"each": True, "innovation": None},
             ["one landmark after the other", "You do not wrap the innovation"],
         ),
-        ({"innovation": 0}, ["You wrap only the first bearing"]),
         ({"innovation": 0, "heading": False}, ["only the first bearing", "when it is corrected"]),
-        ({"form": "joseph", "symmetric": False}, ["not exactly symmetric", "also with the Joseph form"]),
         ({"form": "factor", "symmetric": False, "innovation": None}, ["two errors", "(P + P.T) / 2"]),
     ],
 )
@@ -147,7 +109,3 @@ def test_an_index_that_is_too_large_is_named(own, indices):
         return own["update_landmarks"](state, covariance, indices(k), measurements, R)
 
     assert "An index is too large" in said("update", update)
-
-
-def test_right_predictions_pass(functions):
-    assert grade_public(public_exercise("07_ekf_slam", "predict"), predicting(functions))

@@ -9,6 +9,7 @@ from nao_course.geometry import Pose
 from nao_course.lessons.experiments import budget
 from nao_course.lessons.experiments.budget import in_pixels, pixel_errors, sampled_poses, usual_scene
 from nao_course.lessons.experiments.scenes import simulated_scenes
+from tests.lessons.every import quotes
 from tests.lessons.experiments.own import OWN, TEXT
 from tests.paths import SOLUTIONS
 
@@ -92,9 +93,7 @@ def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
 
     errors = pixel_errors(find, simulated_scenes())
     u, v = np.sqrt((errors**2).mean(axis=0))
-    assert (
-        f"of {u:.1f} px in u, with a mean of {errors[:, 0].mean():.1f}, and of only {v:.1f} px in v" in TEXT
-    )
+    quotes(TEXT, f"{u:.1f} px in u", f"{errors[:, 0].mean():.1f}", f"{v:.1f} px in v")
     scene, step = usual_scene(), 0.01
     pixels = in_pixels(scene)
 
@@ -119,13 +118,16 @@ def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
     both = np.sqrt((errors**2).mean())
     _, y_before, heading_before = pixels_part((both, both), (both, both))
     x, y, heading = pixels_part((u, v), (both, both))
-    assert (
-        f"cause {y:.1f} cm in y where the budget has {y_before:.1f}, {heading:.1f}° where it has "
-        f"{heading_before:.1f}°, and {x:.1f} cm in x" in TEXT
+    quotes(
+        TEXT,
+        f"{y:.1f} cm in y",
+        f"{y_before:.1f}",
+        f"{heading:.1f}°",
+        f"{heading_before:.1f}°",
+        f"{x:.1f} cm in x",
     )
     x, y, heading = pixels_part((u, v), (u, v))
-    assert f"would be {y:.1f} cm in y, {heading:.1f}°, and {x:.1f} cm in x" in TEXT
-    assert len(errors) == 14 and "is measured on 14 hits" in TEXT
+    quotes(TEXT, f"{y:.1f} cm in y", f"{heading:.1f}°", f"{x:.1f} cm in x", f"{len(errors)} hits")
     drawn = errors[np.random.default_rng(0).integers(0, len(errors), (4000, len(errors)))]
     low, high = np.quantile(np.sqrt((drawn**2).mean(axis=(1, 2))), [0.025, 0.975])
-    assert f"{both:.1f} px, with a 95 % interval from about {low:.1f} to {high:.1f}" in TEXT
+    quotes(TEXT, f"{both:.1f} px", f"{low:.1f} to {high:.1f}")

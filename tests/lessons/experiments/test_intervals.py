@@ -1,8 +1,5 @@
 """An interval of random draws is judged by its ends over several generators."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -86,9 +83,3 @@ def test_without_replacement_all_generators_give_the_same_but_for_the_last_digit
 
 def test_the_first_generator_comes_again():
     assert SEEDS[0] == SEEDS[-1] and len(set(SEEDS)) > 3
-
-
-def test_the_comparison_is_there_without_the_lessons_panels():
-    """A check in a terminal needs no widgets, and they take most of a second to import."""
-    program = "import sys, nao_course.lessons.experiments.intervals; sys.exit('ipywidgets' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", program]).returncode == 0

@@ -44,11 +44,6 @@ def test_the_payoff_searches_all_27_settings(monkeypatch):
     assert asked == [([110, 120, 130], [4, 5, 7], [30, 40, 50])] * 30
 
 
-def test_the_best_settings_are_told_from_lists_of_costs_too():
-    shown = repr(landscape.best_settings({key: costs.tolist() for key, costs in table().items()}))
-    assert "110, 4, 30" in shown.splitlines()[1] and len(shown.splitlines()) == 7
-
-
 def test_without_a_table_each_figure_says_what_the_search_said():
     """It said "AttributeError: 'Message' object has no attribute 'items'", and the like."""
 

@@ -67,9 +67,3 @@ def test_a_search_that_failed_once_is_tried_again(monkeypatch):
     assert live.process(picture).complaints
     live.retry()
     assert live.process(picture).overlays[stage.STAGE.name].text.endswith("on 1 scene")
-
-
-def test_a_search_that_is_none_is_said(monkeypatch):
-    nao, live = pipeline(monkeypatch, [], grid_search=lambda *given: None)
-    (said,) = live.process(nao.take_picture("bottom")).complaints
-    assert said.startswith("Without corners, best setting: ")

@@ -7,8 +7,6 @@ from nao_course.lessons.goalposts.figures import (
     draw_column,
     draw_feet,
     draw_heights,
-    draw_recall,
-    draw_side,
     precision_counts,
     recall_counts,
     score_table,
@@ -28,16 +26,6 @@ def test_feet_are_named_by_picture():
     assert drawing.alt.endswith("left: 1 foot at (3, 4); right: 0 feet.") and drawing.photo
     with pytest.raises(ValueError, match="2 pictures need as many sets"):
         draw_feet({"left": BLACK, "right": BLACK}, [[(3, 4)]])
-
-
-def test_candidates_have_a_key_only_where_they_are_drawn():
-    def keys(drawing):
-        return [text.get_text() for legend in drawing.figure.legends for text in legend.get_texts()]
-
-    assert keys(draw_feet({"a": BLACK}, [[(3, 4)]])) == ["foot found"]
-    assert keys(draw_feet({"a": BLACK}, [[(3, 4)]], [[(3, 4)]])) == ["candidate", "foot found"]
-    only = draw_feet({"a": BLACK}, [()], [[(3, 4)]])
-    assert keys(only) == ["candidate"] and only.alt == "1 picture with the candidates in it. a."
 
 
 def test_a_column_says_its_foot_its_green_and_its_run():
@@ -67,12 +55,3 @@ def test_recall_counts_feet_and_precision_points_by_distance():
 def test_the_table_has_a_row_for_each_set_and_detector_with_its_interval():
     (row,) = score_table({"forty": {"yours": MATCHES}}).rows
     assert row == ("forty", "yours", "2 of 3", "21% to 94%", "3")
-
-
-def test_the_camera_from_the_side_has_the_formulas_lengths():
-    texts = {text.get_text() for text in draw_side().figure.axes[0].texts}
-    assert {"h", "d", "H", "p", "z of the foot", "y of the top"} <= texts
-
-
-def test_recall_says_the_sums():
-    assert draw_recall({"yours": MATCHES}).alt.endswith("yours: 2 of 3 feet found, 3 false.")

@@ -53,10 +53,3 @@ def test_posts_are_found_in_labels_with_the_lessons_limits_and_twice_as_many_as_
 def test_a_picture_without_posts_has_none():
     _, seen = looked(OWN, Pose(1.0, 0.0, np.pi))
     assert seen.overlays["goal posts"].text == "0 found"
-
-
-def test_feet_that_are_none_are_said_in_words():
-    for nonsense in (None, "feet", np.zeros((2, 3))):
-        _, seen = looked({**OWN, "find_goalposts": lambda labels, answer=nonsense: answer})
-        (said,) = seen.complaints
-        assert said.startswith("Without goal posts: ")

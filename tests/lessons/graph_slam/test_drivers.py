@@ -1,8 +1,5 @@
 """How solvers are called: what they name is read from their message, and no large matrix becomes dense."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 import scipy.sparse
@@ -157,14 +154,3 @@ def test_the_solvers_of_scipy_are_as_before_afterwards():
     with pytest.raises(KeyError), watched_orders():
         raise KeyError
     assert (scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve) == before
-
-
-def test_a_check_of_this_lesson_loads_no_panel_and_no_figure():
-    heavy = "'ipywidgets', 'matplotlib.figure', 'nao_course.widgets', 'nao_course.lessons.graph_slam.panel'"
-    script = (
-        "import sys\n"
-        "import nao_course.lessons.graph_slam.drivers\n"
-        f"print([name for name in ({heavy}) if name in sys.modules])"
-    )
-    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert loaded.stdout.strip() == "[]"

@@ -20,10 +20,6 @@ def panel(**changed):
     return GraphPanel(**{**functions, **changed})
 
 
-def blank(*given):
-    raise NotImplementedError
-
-
 def colour_of(cell):
     return "#{:02x}{:02x}{:02x}".format(*cell)
 
@@ -114,27 +110,3 @@ def test_an_omega_with_nan_is_reported():
     assert (
         "contains NaN or infinity: check exercises 8.1 to 8.3" in panel(add_relative_motion=spoilt).summary()
     )
-
-
-def test_a_map_that_is_drawn_again_and_again_keeps_nothing_of_the_last_one():
-    shown = panel()
-    first = shown.shown.pictures["Your map"].copy()
-    shown.set(count=60)
-    full = shown.shown.pictures["Your map"].copy()
-    shown.set(count=22)
-    assert (shown.shown.pictures["Your map"] == first).all() and (full != first).any()
-
-
-def test_what_is_not_written_is_named_and_the_rest_is_shown():
-    for name, number in (("add_initial_position", 1), ("add_relative_motion", 2), ("solve", 4)):
-        shown = panel(**{name: blank})
-        assert f"Finish exercise 8.{number}" in shown.summary()
-        assert ("Your Omega" in shown.shown.pictures) is (name == "solve")
-
-
-def test_no_edge_is_marked_until_one_is_clicked():
-    shown = panel()
-    mark = shown._pads["edge"][1]
-    assert mark.value == "" and "Edge" not in shown.summary()
-    shown.set(edge=(150, 200))
-    assert "nao-cursor" in mark.value and "Edge (150, 200)" in shown.summary()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nao_course.lessons.hough_corners.figures import draw_close_up, draw_places, draw_segments
+from nao_course.lessons.hough_corners.figures import draw_close_up, draw_segments
 
 BLACK = np.zeros((24, 32, 3), dtype=np.uint8)
 TWO = [(2, 3, 20, 3), (2, 3, 2, 20)]
@@ -23,30 +23,9 @@ def test_pictures_without_as_many_segments_are_refused():
         draw_segments({"a": BLACK}, [[(1, 2, 3)]])
 
 
-def test_the_places_are_searched_by_what_is_given():
-    alt = draw_places(
-        {"a": (lambda pixels: TWO, lambda pixels: [(5, 6)]), "b": (lambda pixels: [], lambda pixels: [])}
-    ).alt
-    assert alt.count("a: 3 true corners, 2 segments and 1 corner at (5, 6)") == 3
-    assert alt.count("b: 3 true corners, 0 segments and 0 corners") == 3
-
-
 def test_a_close_up_counts_what_is_in_its_part():
     lines = np.zeros((48, 64), dtype=np.uint8)
     lines[20:26, 10:60] = 255
     segments = [(10, 20, 59, 20), (10, 25, 59, 25), (0, 45, 8, 45)]
     drawn = draw_close_up(lines, segments, (30, 23), (20, 12))
     assert "120 white pixels, 40 edge pixels, 2 segments along the edges" in drawn.alt
-
-
-def test_true_corners_are_crosses_with_a_key_of_their_own():
-    with_true = draw_segments({"a": BLACK}, [TWO], [[(2, 3)]], true=[(2, 3), (9, 9)])
-    assert "2 true corners in each" in with_true.alt
-    (legend,) = with_true.figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == [
-        "line segments (three colours in turn)",
-        "corner found",
-        "true corner",
-    ]
-    (plain,) = draw_segments({"a": BLACK}, [TWO]).figure.legends
-    assert len(plain.get_texts()) == 1

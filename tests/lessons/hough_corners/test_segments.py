@@ -1,7 +1,5 @@
 """Segments are compared by what they cover, not by their order or number."""
 
-import subprocess
-import sys
 import tracemalloc
 
 import numpy as np
@@ -113,9 +111,3 @@ def test_none_is_an_answer_about_segments_and_no_missing_return():
     verdict = Crossing().compare(meeting, None)
     assert verdict.kind == "value" and "these segments meet" in verdict.text
     assert not Crossing().compare(None, meeting)
-
-
-def test_the_comparison_is_there_without_the_lessons_panels():
-    """A check in a terminal needs no widgets, and they take most of a second to import."""
-    program = "import sys, nao_course.lessons.hough_corners.segments; sys.exit('ipywidgets' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", program]).returncode == 0

@@ -35,10 +35,3 @@ def test_what_is_marked_is_a_corner_of_the_lines():
 def test_a_picture_without_corners_has_none():
     _, seen = looked(OWN, Pose(1.5, 0.0, np.pi))
     assert seen.overlays["corners"].text == "0 corners"
-
-
-def test_corners_that_are_none_are_said_in_words():
-    for nonsense in (None, "corners", np.zeros((2, 3))):
-        _, seen = looked({**OWN, "find_corners": lambda labels, answer=nonsense: answer})
-        (said,) = seen.complaints
-        assert said.startswith("Without corners: ")

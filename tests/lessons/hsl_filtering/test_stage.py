@@ -17,10 +17,6 @@ def panel_of(nao):
     return ControlPanel(nao, Truth(nao), pipeline=Pipeline([STAGE], OWN, nao, time_limit=60.0))
 
 
-def test_it_uses_exercises_of_its_lesson():
-    assert set(STAGE.uses) <= OWN.keys()
-
-
 @pytest.mark.parametrize("pose", [Pose(0.6, 0.5, -0.25), Pose(1.2, -0.5, 0.6)])
 def test_the_labels_are_the_lessons_and_mostly_true(pose):
     panel = panel_of(SimulatedNao(pose=pose, rng=41))
@@ -39,20 +35,6 @@ def test_other_pixels_of_the_picture_stay_as_they_are():
     shown, _ = panel._screen.shown("bottom")
     assert np.array_equal(shown[labels == 0], pixels[labels == 0])
     assert not np.array_equal(shown[labels == 1], pixels[labels == 1])
-
-
-def test_the_same_robot_is_labelled_in_the_same_way_each_time():
-    first, second = (panel_of(SimulatedNao(rng=3)) for _ in range(2))
-    assert first.summary() == second.summary()
-
-
-def test_labels_that_are_none_are_said_in_words():
-    nao = SimulatedNao(rng=3)
-    picture = nao.take_picture("bottom")
-    for nonsense in (None, np.full((240, 320), 7), np.zeros((3, 3), int), "labels"):
-        functions = {**OWN, "color_labels": lambda *given, answer=nonsense: answer}
-        (said,) = Pipeline([STAGE], functions, nao, time_limit=60.0).process(picture).complaints
-        assert said.startswith("Without labels: ") and "the result of color_labels()" in said
 
 
 def test_a_field_without_a_yellow_goal_says_so():

@@ -64,32 +64,6 @@ def test_without_landmarks_the_covariance_only_grows(functions):
     assert np.linalg.det(second.result[1]) > np.linalg.det(first.result[1])
 
 
-def test_what_fails_is_said_and_tried_again_from_where_it_was(functions):
-    nao, broken = robot(), {"now": True}
-
-    def localize(*given):
-        if broken["now"]:
-            raise ZeroDivisionError("no")
-        return functions["localize"](*given)
-
-    pipeline = Pipeline([STAGE], functions | {"localize": localize}, nao, time_limit=60.0)
-    pipeline.process(nao.take_picture())
-    (said,) = pipeline.process(nao.take_picture()).complaints
-    assert said.startswith(f"Without {STAGE.name}: ZeroDivisionError in localize()")
-    broken["now"] = False
-    pipeline.retry()
-    assert off(nao, pipeline.process(nao.take_picture())) < 0.2
-
-
-def test_nonsense_is_said_in_words(functions):
-    nao = robot()
-    for nonsense in (None, (np.zeros(2), np.eye(3)), 3.0):
-        pipeline = Pipeline([STAGE], functions | {"localize": lambda *given, answer=nonsense: answer}, nao)
-        pipeline.process(nao.take_picture())
-        seen = pipeline.process(nao.take_picture())
-        assert "localize" in seen.complaints[0] and not seen.overlays
-
-
 def test_the_panel_has_a_place_for_the_estimate_on_its_map(functions):
     nao = robot()
     panel = ControlPanel(nao, Truth(nao), pipeline=Pipeline([STAGE], functions, nao, time_limit=60.0))

@@ -24,9 +24,3 @@ def test_the_joints_reach_their_limits():
     assert panel.world.contents.head == pytest.approx(np.radians([-119.5, 29.5]))
     with pytest.raises(ValueError, match="yaw must be from"):
         panel.set(yaw=120.0)
-
-
-def test_where_no_widget_lives_there_is_the_view_as_a_picture():
-    bundle = HeadPanel()._repr_mimebundle_()
-    assert 'alt="The NAO and its cameras' in bundle["text/html"]
-    assert "Head yaw 0" in bundle["text/plain"]

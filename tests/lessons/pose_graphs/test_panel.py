@@ -9,7 +9,6 @@ from nao_course.datasets import write_g2o
 from nao_course.datasets.files import DATA_VARIABLE
 from nao_course.lessons.pose_graphs import EdgePanel, RelaxPanel
 from nao_course.lessons.pose_graphs.figures import INTEL
-from nao_course.lessons.pose_graphs.matrices import block_picture
 from nao_course.lessons.pose_graphs.panels.edges import first_edges, rows_of
 from nao_course.lessons.pose_graphs.panels.relaxing import (
     REAL,
@@ -53,12 +52,6 @@ def test_what_can_be_found_is_there():
     assert "chi2 36,663 -> 73,390" in shown.summary()
     shown.set(world="the half field", step=0)
     assert set(shown.shown.pictures) == {"Graph", "Blocks of H"} or "Blocks of H" in shown.shown.pictures
-
-
-def test_the_player_goes_over_all_steps():
-    shown = panel()
-    shown._widgets["forwards"].click()  # where no kernel runs, to play is to see the end
-    assert shown.values.step == 10
 
 
 def test_the_given_solver_moves_the_map_as_the_solution_does():
@@ -153,12 +146,3 @@ def test_the_map_moves_and_its_axes_do_not():
         [ax] = draw_map(world, states, SimpleNamespace(world="a building", step=step)).figure.axes
         limits.add((*ax.get_xlim(), *ax.get_ylim()))
     assert len(limits) == 1
-
-
-def test_blocks_of_h_are_as_large_for_every_graph():
-    sizes = set()
-    for name in ("a building", "the half field"):
-        world = world_named(name)
-        H = OWN["linearize"](world.graph, world.odometry)[0]
-        sizes.add(block_picture(H, world.graph.poses).shape)
-    assert sizes == {(502, 502, 3)}

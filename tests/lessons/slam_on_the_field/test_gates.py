@@ -15,6 +15,7 @@ from nao_course.geometry import Pose
 from nao_course.lessons.slam_on_the_field import gates
 from nao_course.lessons.slam_on_the_field.worlds import DrawnDrive, drawn_drive
 from nao_course.slam import DeadReckoning, Measurement
+from tests.lessons.every import quotes
 from tests.paths import SOLUTIONS
 
 NUMBERS = [[0, 1], [1, 2, -1]]  # by which a scripted filter names the measurements of two pictures
@@ -78,34 +79,23 @@ def section(heading: str) -> str:
     return re.split(r"^## ", text.partition(f"\n## {heading}\n")[2], flags=re.MULTILINE)[0]
 
 
-def test_the_lesson_states_what_thirty_drives_say():
-    drives = json.loads((RESULTS / "association.json").read_text(encoding="utf-8"))["drives"]
-    tight, usual, wide = (drives[f"nearest neighbour, gate {gate}"] for gate in (1, 3, 10))
-    usual_j, wide_j = (drives[f"joint compatibility, gate {gate}"] for gate in (3, 10))
-    text = section("Which gate?")
-    for words in (
-        f"rejects {tight['left out %']:.0f} % of all",
-        f"Another {tight['again %']:.0f} % lie beyond",
-        f"{tight['landmarks']:.0f} landmarks where there are ten",
-        f"correct little: the drives end {tight['off cm']:.0f} cm off",
-        f"associates {wide['wrong %']:.0f} % incorrectly",
-        f"end more than {wide['off cm']:.0f} cm off",
-        f"**With a gate of 3**, {usual['right %']:.0f} % of the associations are correct",
-        f"{usual['> 10 cm']} of 30 drives end more than 10 cm off",
-        f"the same gate, {usual_j['right %']:.0f} % are correct, and {usual_j['> 10 cm']} of 30",
-        f"still {wide_j['> 50 cm']} of 30 drives end more than 50 cm off",
-    ):
-        assert words in text, words
-
-
-def test_the_lesson_states_what_a_hundred_looks_say():
-    looks = json.loads((RESULTS / "association.json").read_text(encoding="utf-8"))["looks"]
-    usual = looks["gate 3"]
-    at = [f"{usual[f'{sigma} degrees']['right']:.0f} %" for sigma in (2, 5, 10)]
-    said = f"{at[0]} of the matches are right at 2°, {at[1]} at 5° and {at[2]} at 10°"
-    text = section("Which landmark is it?")
-    assert said in text, said
-    assert "About 60 % of the correct matches are rejected" in text
+def test_the_lesson_states_what_was_recorded_of_drives_and_single_pictures():
+    found = json.loads((RESULTS / "association.json").read_text(encoding="utf-8"))
+    tight, usual, wide = (found["drives"][f"nearest neighbour, gate {gate}"] for gate in (1, 3, 10))
+    usual_j, wide_j = (found["drives"][f"joint compatibility, gate {gate}"] for gate in (3, 10))
+    percent = tight["left out %"], tight["again %"], wide["wrong %"], usual["right %"], usual_j["right %"]
+    quotes(
+        section("Which gate?"),
+        *(f"{each:.0f} %" for each in percent),
+        f"{tight['landmarks']:.0f} landmarks",
+        *(f"{each['off cm']:.0f} cm off" for each in (tight, wide)),
+        f"{usual['> 10 cm']} of 30",
+        f"{usual_j['> 10 cm']} of 30",
+        f"{wide_j['> 50 cm']} of 30",
+    )
+    looks = found["looks"]
+    at = [f"{looks['gate 3'][f'{sigma} degrees']['right']:.0f} %" for sigma in (2, 5, 10)]
+    quotes(section("Which landmark is it?"), *at, "60 %")
     assert looks["gate 1"]["2 degrees"]["left out"] == pytest.approx(60, abs=5)
 
 

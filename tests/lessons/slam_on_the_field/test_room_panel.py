@@ -36,10 +36,3 @@ def test_an_unfinished_filter_leaves_the_true_robot():
     panel = RoomPanel(unfinished)
     assert panel.world.contents.truth is not None and panel.world.contents.estimate is None
     assert "Finish exercise 11.5" in panel.summary()
-
-
-def test_it_plays_from_the_first_picture_to_the_last(own):
-    panel = RoomPanel(own["EkfSlam"])
-    assert panel.values.step == 0
-    with pytest.raises(ValueError, match="step must be from 0"):
-        panel.set(step=len(the_drive().log))

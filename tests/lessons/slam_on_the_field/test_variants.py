@@ -13,6 +13,7 @@ from nao_course.lessons.slam_on_the_field.variants import (
     recorded_variants,
     variants_table,
 )
+from tests.lessons.every import quotes
 from tests.paths import SOLUTIONS
 
 VARIANTS = {row["variant"]: row for row in recorded_variants()}
@@ -47,90 +48,68 @@ def lost(variant):
     return int((off(variant) > 15).sum())
 
 
-def test_the_text_says_what_the_drives_recorded(text):
-    for variant, digits, words in (
-        ("odometry", 0, "The median error at the end is {} cm with odometry"),
-        ("the paper's corners and distances", 0, "and {} cm with the paper's corners and distances"),
-        ("joint compatibility", 1, "Joint compatibility brings the error down to {} cm"),
-        ("tilt from lines", 1, "tilt from lines to {} cm"),
-        (EKF, 1, "the compass to {} cm"),
-    ):
-        assert words.format(f"{np.median(off(variant)):.{digits}f}") in text, variant
-    assert f"a heading error of {np.median(VARIANTS[EKF]['heading']):.1f}°" in text
+def result(name):
+    return json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
 
 
-def test_the_text_says_which_drive_is_lost_and_what_saves_it(text):
-    assert lost(EKF) == 1 and "One drive of a hundred is still lost (more than 15 cm off)" in text
-    assert f"a NEES of {max(VARIANTS[EKF]['nees']):.0f}" in text
-    assert lost(SUREST) == 0 and f"the worst drive ends {off(SUREST).max():.0f} cm off" in text
-    assert f"mean NEES is {np.mean(VARIANTS[SUREST]['nees']):.1f}" in text
-    low, high = json.loads((RESULTS / "field_slam.json").read_text(encoding="utf-8"))["NEES band"]
-    assert f"between {low:.1f} and {high:.1f}, so this filter is slightly too cautious" in text
-    assert np.mean(VARIANTS[SUREST]["nees"]) < low
+def test_the_text_says_what_the_drives_recorded_and_which_is_lost(text):
+    low, high = result("field_slam")["NEES band"]
+    quotes(
+        text,
+        *(f"{np.median(off(name)):.0f} cm" for name in ("odometry", "the paper's corners and distances")),
+        *(f"{np.median(off(name)):.1f} cm" for name in ("joint compatibility", "tilt from lines", EKF)),
+        f"{np.median(VARIANTS[EKF]['heading']):.1f}°",
+        f"NEES of {max(VARIANTS[EKF]['nees']):.0f}",
+        f"{off(SUREST).max():.0f} cm off",
+        f"NEES is {np.mean(VARIANTS[SUREST]['nees']):.1f}",
+        f"between {low:.1f} and {high:.1f}",
+        *(f"{np.quantile(off(each), 0.95):.1f} cm" for each in ("EKF, posts without the extra 2 cm", EKF)),
+    )
+    assert lost(EKF) == 1 and lost(SUREST) == 0 and np.mean(VARIANTS[SUREST]["nees"]) < low
 
 
 def test_the_text_says_what_the_joint_update_and_several_hypotheses_bring(text):
     row = of_hard_drives(NORMAL)
-    assert row["drives"] == 200
-    assert (
-        f"ends {100 * row['position']:.1f} cm off (median), and the worst of 200 fresh drives "
-        f"{100 * row['position worst']:.0f} cm"
-    ) in text
-    low, high = json.loads((RESULTS / "field_tails.json").read_text(encoding="utf-8"))["NEES band"]
-    said = f"Its mean NEES is {row['NEES mean']:.1f}, although for consistent drives it would lie between"
-    assert f"{said} {low:.1f} and {high:.1f}" in text
-    assert row["NEES mean"] > high
-    assert f"the median, {row['NEES median']:.1f}, is near its expected {chi2.median(3):.1f}" in text
-    words = {
-        ONE_PICTURE: "with one picture at each stop",
-        FALSE_CORNERS: "with 0.3 false corners in each picture",
-        WORSE: "with odometry that is twice as bad as stated",
-    }
-    for hardship, said in words.items():
-        alone, many = lost_of(hardship, "surest first"), lost_of(hardship, "several hypotheses")
-        assert f"{alone} and {many} {said}" in text, hardship
-    middle = 100 * of_hard_drives(ONE_PICTURE)["position"]
-    assert f"With one picture it ends {middle:.1f} cm off" in text
-
-
-def test_the_text_says_what_the_order_is_worth_on_the_drives_that_were_looked_at(text):
-    others = json.loads((RESULTS / "field_slam.json").read_text(encoding="utf-8"))["others"]
-    usual, surest = others[EKF], others[SUREST]
-    assert surest["lost"] == 0
-    assert (
-        f"the usual order loses {round(usual['lost'] * usual['drives'])} drives and this order none" in text
-    )
-    at_most = (
-        f"the worst {100 * surest['position worst']:.0f} cm, and the mean NEES {surest['NEES mean']:.1f}"
-    )
-    assert f"the median error is {100 * surest['position']:.1f} cm, {at_most}" in text
-
-
-def test_the_text_says_what_short_pieces_do_to_the_compass(text):
-    found = json.loads((RESULTS / "compass.json").read_text(encoding="utf-8"))
-    short = [row for name, row in found["lines"].items() if float(name.split()[2]) <= 0.3]
-    share = sum(row["lines"] * row["none"] for row in short) / sum(row["lines"] for row in short)
-    assert (
-        len(short) == 3
-        and 0.6 < share < 0.7
-        and "Two in three line segments shorter than 30 cm do not" in text
-    )
-    all_pieces, long = (
-        found["readings"][name]["mean square over variance"] for name in ("all pieces", "from 30 cm on")
-    )
-    assert f"the stated variance is {long:.1f}; with all segments it is {all_pieces:.1f}" in text
-    medians = [
-        found["drives"][f"{name}, surest first"]["position"] for name in ("all pieces", "from 30 cm on")
+    low, high = result("field_tails")["NEES band"]
+    pairs = [
+        f"{lost_of(name, 'surest first')} and {lost_of(name, 'several hypotheses')} with"
+        for name in (ONE_PICTURE, FALSE_CORNERS, WORSE)
     ]
-    assert (
-        medians[1] - medians[0] == pytest.approx(1e-3, abs=5e-4)
-        and "Without the short segments the median error is a millimetre larger" in text
+    quotes(
+        text,
+        f"{100 * row['position']:.1f} cm off",
+        f"{100 * row['position worst']:.0f} cm",
+        f"NEES is {row['NEES mean']:.1f}",
+        f"{low:.1f} and {high:.1f}",
+        f"{row['NEES median']:.1f}",
+        f"{chi2.median(3):.1f}",
+        *pairs,
+        f"{100 * of_hard_drives(ONE_PICTURE)['position']:.1f} cm off",
     )
+    assert row["drives"] == 200 and row["NEES mean"] > high
 
 
-def test_the_text_says_what_a_posts_thickness_is_worth(text):
-    at_most = [np.quantile(off(variant), 0.95) for variant in ("EKF, posts without the extra 2 cm", EKF)]
-    assert "error is {1:.1f} cm with these 2 cm, and {0:.1f} cm without them".format(*at_most) in text
+def test_the_text_says_what_the_order_is_worth_and_what_short_pieces_do_to_the_compass(text):
+    usual, surest = (result("field_slam")["others"][name] for name in (EKF, SUREST))
+    compass = result("compass")
+    long = [
+        compass["readings"][name]["mean square over variance"] for name in ("all pieces", "from 30 cm on")
+    ]
+    quotes(
+        text,
+        f"loses {round(usual['lost'] * usual['drives'])} drives",
+        f"{100 * surest['position']:.1f} cm",
+        f"{100 * surest['position worst']:.0f} cm",
+        f"NEES {surest['NEES mean']:.1f}",
+        *(f"{each:.1f}" for each in long),
+    )
+    short = [row for name, row in compass["lines"].items() if float(name.split()[2]) <= 0.3]
+    share = sum(row["lines"] * row["none"] for row in short) / sum(row["lines"] for row in short)
+    assert surest["lost"] == 0 and len(short) == 3 and 0.6 < share < 0.7  # two in three
+    all_pieces, without = (
+        compass["drives"][f"{name}, surest first"]["position"] for name in ("all pieces", "from 30 cm on")
+    )
+    assert without - all_pieces == pytest.approx(1e-3, abs=5e-4)  # a millimetre
 
 
 def test_the_system_is_as_near_as_it_has_to_be():

@@ -29,13 +29,6 @@ def test_buttons_and_code_drive_alike():
     assert np.array_equal(by_code.cockpit.pictures["top"].pixels, by_button.cockpit.pictures["top"].pixels)
 
 
-def test_without_a_loop_buttons_drive_to_the_end():
-    panel = ControlPanel(clean_nao())
-    press(panel, "forward")
-    assert not panel.driving
-    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
-
-
 def test_a_drive_is_paced():
     panel = ControlPanel(clean_nao())
 
@@ -98,19 +91,6 @@ def test_during_a_drive_commands_wait_in_their_order_and_the_head_obeys_at_once(
     assert panel.cockpit.nao.odometry.x == pytest.approx(end.x)
     assert panel.cockpit.nao.odometry.y == pytest.approx(end.y)
     assert "Then" not in panel._controls.status.value
-
-
-def test_a_picture_can_be_taken_during_a_drive():
-    panel = ControlPanel(clean_nao())
-
-    async def scenario():
-        press(panel, "forward")
-        await asyncio.sleep(0.01)
-        press(panel, "picture")
-        await until_it_stands(panel)
-
-    in_a_loop(scenario)
-    assert len(panel.pictures) == 1
 
 
 def test_a_newer_panel_closes_the_older_and_leaves_no_task():

@@ -156,15 +156,6 @@ def test_points_of_a_later_stage_stand_on_the_map_in_front_of_the_odometrys_robo
     assert bare._screen._map._sent.get("points", []) == []
 
 
-def test_a_pipeline_changes_nothing_about_the_drive():
-    plain, seeing = make(stages=()), make()
-    for panel in (plain, seeing):
-        panel.forward(0.2)
-        panel.left(0.3)
-    assert np.array_equal(plain.cockpit.pictures["top"].pixels, seeing.cockpit.pictures["top"].pixels)
-    assert plain.cockpit.truth.pose == seeing.cockpit.truth.pose
-
-
 def test_the_text_and_the_still_picture_say_what_was_seen():
     panel = make(missing={"corners": "find_corners of lesson 03 is not written yet"})
     panel.forward(0.05)
@@ -320,19 +311,6 @@ def test_a_stage_cannot_change_the_picture_that_is_shown():
     assert not pipeline_of(brightest=vandal).process(PICTURE).complaints and PICTURE.pixels.min() == 250
 
 
-def test_what_the_students_code_prints_stands_in_the_panel_and_nowhere_else(capsys):
-    panel = make(brightest=lambda picture: print("<seen>") or brightest(picture))
-    assert "&lt;seen&gt;" in status(panel) and capsys.readouterr().out == ""
-
-
-def test_slow_code_is_said_to_be_slow_in_the_panel_and_not_in_what_a_lesson_prints(monkeypatch):
-    monkeypatch.setattr(module, "SLOW", 0.0)
-    panel = make()
-    assert "slows the drive" not in status(panel), "the first picture also calibrates"
-    panel.forward(0.05 * module.JUDGED)
-    assert "which slows the drive down" in status(panel) and " ms " not in panel.summary()
-
-
 def test_the_board_is_the_line_of_the_last_stage_that_has_an_estimate():
     own = Estimate(Pose(), np.eye(3), np.empty((0, 2)), np.empty((0, 2, 2)))
     overlays = {
@@ -357,14 +335,6 @@ def wander(least):
         ),
         drives=True,
     )
-
-
-def test_a_stage_that_drives_brings_a_button_and_a_key_and_another_does_not():
-    def classes(panel):
-        return {name for each in all_widgets(panel.widget) for name in each._dom_classes}
-
-    assert "nao-do-itself" in classes(make((wander(0.2),)))
-    assert "nao-do-itself" not in classes(make())
 
 
 def test_from_code_the_robot_goes_where_the_stage_says_and_no_farther():
@@ -416,13 +386,6 @@ def test_when_nothing_is_left_the_panel_says_what_is_complete_and_what_it_took()
     assert "nao-finish" in status(panel)
     panel.show_truth = False
     assert "4 moves." in status(panel) and "off" not in status(panel)
-
-
-def test_stages_to_come_share_a_line_and_their_reasons_are_among_the_details():
-    panel = make(missing={"corners": "it is not written yet", "pose": "it needs corners"})
-    (line,) = [each.value for each in all_widgets(panel.widget) if "nao-ready" in each._dom_classes]
-    assert "Still to come: corners, pose" in line and "not written" not in line
-    assert "not yet: corners, because it is not written yet" in panel._controls.facts.value
 
 
 def test_beside_the_labels_the_large_picture_has_the_marks():

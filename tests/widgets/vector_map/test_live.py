@@ -51,14 +51,6 @@ def test_nothing_is_sent_where_nothing_has_changed(live):
     assert live.update(contents) == 5 and live.update(contents) == 0 and len(live.sent) == 1
 
 
-def test_another_path_replaces_the_old_one(live):
-    live.update(MapContents({"truth": PATH}))
-    live.update(MapContents({"truth": PATH[3:]}))
-    assert live.sent[-1]["layers"]["path truth"][:3] == [300, 0, 200]
-    live.update(MapContents({}))
-    assert live.sent[-1]["layers"]["path truth"] == []
-
-
 def test_a_page_that_followed_all_changes_shows_what_a_new_page_gets(live):
     page, rng = Page(), np.random.default_rng(1)
     steps = [MapContents({"truth": PATH[:n], "ekf": PATH[:n]}, observer="ekf") for n in (1, 2, 5)]

@@ -68,15 +68,6 @@ def test_what_is_not_possible_is_refused_and_changes_nothing(world, wrong, words
     assert world.contents is before
 
 
-def test_impossible_views_are_refused():
-    with pytest.raises(ValueError, match="'behind', 'above', 'goal'"):
-        WorldView(viewpoint="below")
-    with pytest.raises(ValueError, match="source must be one of"):
-        WorldView(source="gps")
-    with pytest.raises(ValueError, match="2 or 3 coordinates"):
-        Ray((1.0,))
-
-
 def test_the_summary_says_what_is_shown(world):
     world.update(
         POSE,
@@ -151,12 +142,6 @@ def test_the_ellipses_in_the_message_have_the_outlines_of_the_maps():
     drawn = centre + np.cos(angle) * first + np.sin(angle) * second
     wanted = ellipse_outlines(estimate.landmarks[:1], estimate.landmark_covariances[:1])[0]
     np.testing.assert_allclose(drawn, wanted, atol=2e-4)
-
-
-def test_a_pose_alone_is_an_estimate_without_ellipses(world):
-    world.update(POSE, Pose(1, 0, 0))
-    data = world.contents.data()
-    assert data["estimate"] == [1, 0, 0] and data["ellipses"] == [] and data["landmarks"] == []
 
 
 def test_a_reader_who_moves_the_view_moves_it_for_the_picture_too(world):

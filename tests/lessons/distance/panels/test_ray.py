@@ -41,15 +41,6 @@ def test_the_students_point_is_right_for_an_upright_body_and_slides_away_when_it
     assert "cm too near" in panel.summary()
 
 
-def test_an_unfinished_function_leaves_the_true_ray():
-    def unfinished(pixels, view):
-        raise NotImplementedError
-
-    panel = RayPanel(unfinished)
-    assert [ray.source for ray in panel.world.contents.rays] == ["truth"]
-    assert "Finish exercise 4.4" in panel.summary()
-
-
 def test_a_point_above_the_horizon_has_no_ray():
     panel = RayPanel(lambda pixels, view: np.full((len(pixels), 2), np.nan))
     assert [ray.source for ray in panel.world.contents.rays] == ["truth"]

@@ -1,0 +1,143 @@
+"""What holds for the panels of all lessons; what a panel shows is tested in its lesson's folder."""
+
+import re
+
+import ipywidgets
+import pytest
+
+from nao_course.lessons.beyond import ExplorePanel, MovesPanel, TwoCamerasPanel
+from nao_course.lessons.distance import PhoneLab, RayPanel, TiltPanel
+from nao_course.lessons.ekf_derivations.lap import LapPanel
+from nao_course.lessons.ekf_derivations.panel import LANDMARK, MEASUREMENT, LinearisationPanel
+from nao_course.lessons.localization.panels import FusePanel, LabPanel
+from nao_course.lessons.meet_the_nao import HeadPanel
+from nao_course.lessons.pose_graphs import EdgePanel, RelaxPanel
+from nao_course.lessons.slam_on_the_field import RoomPanel
+from nao_course.widgets import RealityDial
+from nao_course.widgets.parts import LabelledImage
+from tests.lessons.every import reference
+from tests.lessons.experiments.test_panel import panel as setting_panel
+from tests.lessons.goalposts.test_panel import panel as post_panel
+from tests.lessons.graph_slam.test_panel import panel as graph_panel
+from tests.lessons.hough_corners.test_panel import panel as corner_panel
+from tests.lessons.hsl_filtering.test_panel import blank_filter_panel
+from tests.widgets.robots import all_widgets
+
+CONTROLS = ipywidgets.Button | ipywidgets.Dropdown | ipywidgets.FloatSlider | ipywidgets.IntSlider
+
+
+def of(panel, lesson, *names, **more):
+    """Return a function that makes a panel of the solutions' functions, or of others in their places."""
+    return lambda **changed: panel(**{name: reference(lesson)[name] for name in names} | more | changed)
+
+
+FIVE = ("predict_pose", "predict_covariance")
+MORE_OF_FIVE = (
+    "landmark_position",
+    "landmark_jacobians",
+    "expected_measurement",
+    "measurement_jacobian_pose",
+)
+FOUR = ("pixel_to_ground", "ground_to_measurement", "measurement_covariance")
+SEVEN = {name: reference("07_ekf_slam")[name] for name in ("predict", "update_landmarks", "add_landmark")}
+PANELS = {
+    "head": HeadPanel,
+    "dial": RealityDial,
+    "filter": blank_filter_panel,
+    "posts": post_panel,
+    "corners": corner_panel,
+    "ray": of(RayPanel, "04_distance", "pixel_to_ground"),
+    "tilt": of(TiltPanel, "04_distance", *FOUR),
+    "phone": of(PhoneLab, "04_distance", "pixel_to_ground", find_landmarks=lambda picture: [(160.0, 120.0)]),
+    "lap": of(LapPanel, "05_ekf_derivations", *FIVE),
+    "linearisation": of(LinearisationPanel, "05_ekf_derivations", *FIVE, *MORE_OF_FIVE),
+    "fuse": of(FusePanel, "06_localization", "fuse"),
+    "graph": graph_panel,
+    "edges": of(EdgePanel, "09_pose_graphs", "linearize"),
+    "relaxing": of(RelaxPanel, "09_pose_graphs", "linearize", "gauss_newton"),
+    "settings": setting_panel,
+    "room": of(RoomPanel, "11_slam_on_the_field", "EkfSlam"),
+    "exploring": of(ExplorePanel, "12_beyond", "find_frontiers", "travel_steps"),
+    "moves": of(MovesPanel, "12_beyond", "choose_move", **SEVEN),
+    "cameras": of(
+        TwoCamerasPanel,
+        "12_beyond",
+        "intersect_rays",
+        pixel_to_ground=reference("04_distance")["pixel_to_ground"],
+    ),
+}
+# The exercise that a panel names if a function is not written, and what has to be set to see it
+UNFINISHED = [
+    ("posts", "candidates", "2.1", {}),
+    ("posts", "cluster", "2.2", {}),
+    ("corners", "erase_background", "3.2", {}),
+    ("corners", "find_segments", "3.3", {}),
+    ("corners", "find_corners", "3.6", {}),
+    ("ray", "pixel_to_ground", "4.4", {}),
+    ("tilt", "pixel_to_ground", "4.4", {}),
+    ("tilt", "ground_to_measurement", "4.1", {}),
+    ("tilt", "measurement_covariance", "4.6", {}),
+    ("phone", "find_landmarks", "lessons 01", {}),
+    ("phone", "pixel_to_ground", "4.4", {}),
+    ("lap", "predict_pose", "5.1", {}),
+    ("lap", "predict_covariance", "5.5", {}),
+    ("linearisation", "predict_pose", "5.1", {}),
+    ("linearisation", "predict_covariance", "5.5", {}),
+    ("linearisation", "landmark_jacobians", "5.6", {"what": LANDMARK}),
+    ("linearisation", "measurement_jacobian_pose", "5.8", {"what": MEASUREMENT}),
+    ("fuse", "fuse", "6.1", {}),
+    ("graph", "add_initial_position", "8.1", {}),
+    ("graph", "add_relative_motion", "8.2", {}),
+    ("graph", "solve", "8.4", {}),
+    ("edges", "linearize", "9.5", {}),
+    ("relaxing", "linearize", "9.5", {}),
+    ("settings", "grid_search", "10.3", {}),
+    ("settings", "bootstrap_interval", "10.4", {}),
+    ("room", "EkfSlam", "11.5", {}),
+    ("exploring", "find_frontiers", "12.5", {}),
+    ("exploring", "travel_steps", "12.6", {}),
+    ("moves", "choose_move", "12.7", {"move": 2}),
+]
+
+
+@pytest.mark.parametrize("name", PANELS)
+def test_controls_and_pictures_are_named_and_a_picture_and_words_stay_where_no_widget_lives(name):
+    panel = PANELS[name]()
+    bundle = panel._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle and panel.summary() in bundle["text/plain"]
+    assert re.search(r'<img[^>]* alt="[^"]{10,}"', bundle["text/html"]) and len(bundle["text/html"]) < 10**6
+    widgets = list(all_widgets(panel.widget))
+    assert all(each.description and each.tooltip for each in widgets if isinstance(each, CONTROLS))
+    assert all(each.alt for each in widgets if isinstance(each, LabelledImage))
+    assert PANELS[name]().summary() == panel.summary()
+
+
+@pytest.mark.parametrize(("name", "function", "exercise", "values"), UNFINISHED)
+def test_an_unfinished_exercise_is_named_and_a_wrong_answer_stops_nothing(name, function, exercise, values):
+    def blank(*given, **named):
+        raise NotImplementedError
+
+    panel = PANELS[name](**{function: blank})
+    panel.set(**values)
+    assert re.search(rf"Finish (exercises? )?.*{exercise}", panel.summary())
+    if (name, function) not in (("graph", "solve"), ("room", "EkfSlam")):
+        panel = PANELS[name](**{function: lambda *given, **named: None})
+        panel.set(**values)
+        assert panel.error is not None and "Finish" not in panel.summary()
+
+
+def test_the_patients_of_a_blank_notebook_wait_for_its_filter():
+    def blank(*given):
+        raise NotImplementedError
+
+    five = (reference("05_ekf_derivations")[name] for name in FIVE)
+    assert "6.6" in LabPanel(blank, *five).summary()
+
+
+@pytest.mark.parametrize(
+    "panel",
+    [lambda: setting_panel(scenes=[]), lambda: post_panel(scenes={}), lambda: corner_panel(pictures={})],
+)
+def test_without_anything_to_choose_there_is_no_panel(panel):
+    with pytest.raises(ValueError, match="at least"):
+        panel()
