@@ -85,7 +85,7 @@ def test_a_file_that_can_neither_be_read_nor_moved_is_never_written_over(file, m
 
 def test_where_nothing_can_be_written_it_is_said(tmp_path):
     file = BestFile(CHALLENGE, tmp_path / "nowhere")
-    assert "could not be stored" in file.keep(Best(0.5, 0.1, {}))
+    assert "not be stored" in file.keep(Best(0.5, 0.1, {}))
 
 
 def test_a_score_that_was_kept_meanwhile_by_another_notebook_is_not_lost(file):
@@ -94,3 +94,8 @@ def test_a_score_that_was_kept_meanwhile_by_another_notebook_is_not_lost(file):
     other.keep(Best(0.9, 0.1, {}))
     file.keep(Best(0.5, 0.1, {}))
     assert file.read()[0].score == 0.9
+
+
+def test_it_stands_beside_the_notebook(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert BestFile(CHALLENGE).path == tmp_path / "77_doubling.challenge.json"

@@ -95,7 +95,7 @@ REFUSED = {
     "08_graph_slam": [(1.5, "whole"), ([3], "whole"), (60, "60"), (-2, "60"), (True, "whole")],
     "09_pose_graphs": [
         ((np.zeros(720), np.zeros(3)), "states"),
-        (np.zeros(3), "shape"),
+        (np.zeros(3), r"\(720,\)"),
         (np.full(720, np.nan), "NaN"),
     ],
     "12_beyond": [

@@ -4,6 +4,7 @@ import asyncio
 import html
 import re
 import threading
+import time
 
 import ipywidgets
 import numpy as np
@@ -404,3 +405,27 @@ def test_a_drawn_array_and_its_legend_follow_a_dark_page(drawn, expected):
 def _signs(values, student):
     yield {"matrix": np.full((values.size, values.size, 3), 255, np.uint8)}
     yield Legend({"positive": "#2c6e8f"})
+
+
+def test_how_long_the_students_code_takes_is_said():
+    panel = make(lambda *given: time.sleep(0.12) or brighter(*given))
+    assert int(re.search(r"Your code took (\d+) ms", panel._status.value)[1]) >= 120
+    assert "ms" not in repr(panel)
+    assert "Your code" not in FunctionPanel("None", lambda values, student: "Yes.", [LEVEL])._status.value
+
+
+def test_what_a_function_returned_wrongly_is_said_to_be_its():
+    panel = make(lambda picture, level: None)
+    assert (
+        "AttributeError in the panel, in the code that uses the result of brighter(), line" in panel.summary()
+    )
+
+
+def test_a_title_that_comes_again_takes_the_place_of_the_first():
+    def later(values, student):
+        yield {"A": np.zeros((4, 4), np.uint8), "B": NOISE}
+        yield {"A": np.ones((4, 4), bool)}
+
+    panel = FunctionPanel("Two", later, [LEVEL])
+    assert list(panel.shown.pictures) == ["A", "B"]
+    assert (decoded(image(panel, 0)) == 255).all()

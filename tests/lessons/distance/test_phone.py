@@ -238,7 +238,7 @@ def test_a_bad_upload_keeps_the_photo_and_says_why():
     panel = lab()
     before = panel.shown.pictures["The photo"].copy()
     panel.upload(b"no picture at all")
-    assert "This file cannot be read as a picture" in panel.summary()
+    assert "cannot be read" in panel.summary()
     assert (panel.shown.pictures["The photo"] == before).all()
 
 
@@ -249,17 +249,17 @@ def test_reset_keeps_the_photos_focal_length_and_the_next_photo_does_not():
     panel.reset()
     assert panel.values.focal == 120
     panel.upload(as_file(usual_photo()))
-    assert panel.values.focal == 27 and "does not contain its focal length" in panel.summary()
+    assert panel.values.focal == 27 and "focal length" in panel.summary()
 
 
 def test_each_letter_is_named_by_its_place_and_letters_turned_round_are_suspected():
     panel = lab()
-    assert "corner A of the field (near, left)" in panel.summary()
+    assert "(near, left)" in panel.summary()
     click_all(panel)
     assert "turned" not in panel.summary()
     panel.reset()
     click_all(panel, true_pixels()[[2, 3, 0, 1]])
-    assert "the letters are at the wrong corners" in panel.summary()
+    assert "wrong corners" in panel.summary()
 
 
 def test_a_file_beside_the_notebook_is_taken_by_its_name(tmp_path):
@@ -268,13 +268,13 @@ def test_a_file_beside_the_notebook_is_taken_by_its_name(tmp_path):
     panel = PhoneLab(lambda pixels: true_pixels(), own()["pixel_to_ground"], photo=file)
     assert panel.values.focal == 35
     missing = PhoneLab(lambda pixels: true_pixels(), own()["pixel_to_ground"], photo=tmp_path / "none.jpg")
-    assert "There is no file" in missing.summary() and "simulated photo" in missing.summary()
+    assert "no file" in missing.summary() and "simulated photo" in missing.summary()
 
 
 def test_no_landmark_and_one_above_the_horizon_are_said():
     nothing = lab(find=lambda pixels: np.zeros((0, 2)))
-    assert "no post and no corner" in nothing.summary() and not nothing.shown.tables
+    assert "no post" in nothing.summary() and not nothing.shown.tables
     sky = np.vstack([true_pixels(), [[160.0, 5.0]]])
     panel = lab(find=lambda pixels: sky)
     panel.set(pitch=20.0)
-    assert "at or above the horizon: their points are NaN" in panel.summary()
+    assert "NaN" in panel.summary()

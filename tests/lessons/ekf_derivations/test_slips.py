@@ -63,7 +63,7 @@ def test_who_forgets_to_unpack_the_arguments_is_told_where_the_name_is():
         return np.cos(theta), control  # noqa: F821
 
     report = repr(grade_public(EXERCISES["motion_jacobians"], motion_jacobians))
-    assert "theta is a part of pose. Take it from there first: x, y, theta = pose." in report
+    assert "x, y, theta = pose" in report
 
 
 def test_a_bearing_that_is_wrapped_only_once_is_wrong():
@@ -87,4 +87,4 @@ def test_a_difference_quotient_is_not_accepted_in_5_7(step):
         return model, sp.Matrix.hstack(*columns)
 
     report = grade_public(EXERCISES["derive_measurement_jacobian"], derive)
-    assert not report and "A difference quotient is not a derivative" in repr(report)
+    assert not report and "difference quotient" in repr(report)

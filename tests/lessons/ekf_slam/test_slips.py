@@ -91,7 +91,7 @@ def test_a_wrong_sign_of_the_poses_jacobian_is_one_error(functions):
         return -functions["measurement_jacobian_pose"](pose, landmark)
 
     text = said("update_landmarks", updating({**functions, "measurement_jacobian_pose": negative}))
-    assert "respect to the pose has the wrong sign" in text and "two errors" not in text
+    assert "wrong sign" in text and "two errors" not in text
 
 
 @pytest.mark.parametrize("form", ["joseph", "factor", "difference"])
@@ -100,7 +100,7 @@ def test_every_right_form_passes_if_it_is_made_symmetric(functions, form):
 
 
 def test_several_passes_are_not_called_one_turn():
-    assert "removes too few turns" in said("warp2pi", by_passes)
+    assert "too few turns" in said("warp2pi", by_passes)
 
 
 @pytest.mark.parametrize("indices", [lambda k: range(1, k + 1), lambda k: [k], lambda k: range(2 * k)])
@@ -108,4 +108,4 @@ def test_an_index_that_is_too_large_is_named(own, indices):
     def update(state, covariance, measurements, R, k):
         return own["update_landmarks"](state, covariance, indices(k), measurements, R)
 
-    assert "An index is too large" in said("update", update)
+    assert "too large" in said("update", update)

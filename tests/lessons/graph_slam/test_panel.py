@@ -110,3 +110,12 @@ def test_an_omega_with_nan_is_reported():
     assert (
         "contains NaN or infinity: check exercises 8.1 to 8.3" in panel(add_relative_motion=spoilt).summary()
     )
+
+
+def test_a_map_that_is_drawn_again_and_again_keeps_nothing_of_the_last_one():
+    shown = panel()
+    first = shown.shown.pictures["Your map"].copy()
+    shown.set(count=60)
+    full = shown.shown.pictures["Your map"].copy()
+    shown.set(count=22)
+    assert (shown.shown.pictures["Your map"] == first).all() and (full != first).any()

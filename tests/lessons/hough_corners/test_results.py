@@ -9,6 +9,7 @@ from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.exercises import load_definitions
 from nao_course.lessons.hough_corners import results
 from nao_course.lessons.hough_corners.challenge import CHALLENGE
+from nao_course.lessons.hough_corners.labels import DISTANCES, recorded_labels
 from nao_course.lessons.hough_corners.measuring import STEPS, count_corners, with_others
 from nao_course.lessons.hough_corners.scenes import (
     match_pictures,
@@ -19,6 +20,7 @@ from nao_course.lessons.hough_corners.scenes import (
     tuning_pictures,
 )
 from nao_course.metrics import PointMatch, corner_cost, mean_interval, total
+from tests.lessons.every import quotes
 from tests.paths import PROJECT
 
 COLOURS = load_definitions(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
@@ -73,6 +75,14 @@ def test_the_goal_line_ends_where_the_equation_sees_it():
     assert "m measured, 3.3 m by equation 3.2" in results.draw_goal_line(distances, left).alt
 
 
+def test_the_walk_from_the_goal_line_has_recorded_labels_for_its_pictures():
+    def keep(labels, run):
+        return labels
+
+    recorded, own = (results.goal_line_left(DISTANCES, by, keep)[0] for by in (recorded_labels, label))
+    assert recorded == pytest.approx(own, abs=0.05)
+
+
 def test_the_table_of_other_pictures_is_what_the_benchmark_recorded():
     recorded = json.loads((PROJECT / "benchmarks" / "results" / "corners.json").read_text(encoding="utf-8"))
     for row, name in (
@@ -93,14 +103,13 @@ def find_segments(labels):
 @pytest.mark.slow
 def test_the_costs_of_the_text_are_those_of_the_solution():
     match = total(match_pictures(lambda picture: OWN["find_corners"](label(picture)), tuning_pictures()))
-    assert f"finds {match.hits} of {len(match.found)} corners with {match.false} false ones" in TEXT
     cost = results.mean_cost(lambda picture: OWN["find_corners"](label(picture)))
-    assert cost == pytest.approx(corner_cost(match) / 30) and f"costs {cost:.2f}. The grey lines" in TEXT
+    assert cost == pytest.approx(corner_cost(match) / 30)
+    quotes(TEXT, f"{match.hits} of {len(match.found)} corners with {match.false} false", f"costs {cost:.2f}")
     steps = (label, OWN["erase_background"], find_segments)
     counts = list(count_corners(tuning_pictures(), *steps).values())
     assert counts == [61, 61, 49, 37, 12]  # these stand in the question "where_corners_go", too
-    for left in counts[3:]:
-        assert f"{left / counts[0]:.0%}".replace("%", " %") in TEXT
+    quotes(TEXT, *(f"{100 * left / counts[0]:.0f} %" for left in counts[3:]))
 
 
 def test_what_is_said_of_real_pictures_is_what_the_solution_leaves_there(data_dir, monkeypatch):
@@ -131,17 +140,12 @@ def against_nothing(pictures, find):
 @pytest.mark.slow
 def test_with_centre_lines_the_detector_is_better_than_nothing_and_the_text_says_by_how_much():
     match, cost, less, (low, high) = against_nothing(tuning_pictures(), with_centre_lines)
-    assert f"finds {match.hits} of {len(match.found)} corners and no false one" in TEXT and match.false == 0
-    assert (
-        f"cost is {cost:.2f}; reporting nothing costs {-less:.2f} more (95 % interval of the "
-        f"difference: {low:.2f} to {high:.2f})" in TEXT
-    )
-    assert high < 0
+    assert match.false == 0 and high < 0
+    counts = f"{match.hits} of {len(match.found)} corners"
+    quotes(TEXT, counts, f"cost is {cost:.2f}", f"{-less:.2f} more", f"{low:.2f} to {high:.2f}")
     *_, (low, high) = against_nothing(tuning_pictures(), with_a_larger_gap)
-    assert (
-        f"the interval of the difference, {low:.2f} to {high:.2f}, still contains 0" in TEXT
-        and low < 0 < high
-    )
+    assert low < 0 < high
+    quotes(TEXT, f"{low:.2f} to {high:.2f}")
 
 
 @pytest.mark.slow
@@ -154,7 +158,7 @@ def test_the_cost_depends_little_on_the_width_as_the_text_says():
 
         find = with_others(OWN["find_corners"], hough_segments=centres)
         costs.append(against_nothing(tuning_pictures(), lambda labels, find=find: find(labels, 10))[1])
-    assert f"from 12 to 24 pixels, the cost stays between {min(costs):.2f} and {max(costs):.2f}" in TEXT
+    quotes(TEXT, "12 to 24 pixels", f"{min(costs):.2f} and {max(costs):.2f}")
 
 
 def test_far_lines_are_merged_with_each_other_as_the_text_says():
@@ -162,18 +166,15 @@ def test_far_lines_are_merged_with_each_other_as_the_text_says():
     white = OWN["line_picture"](OWN["erase_background"](label(far.pixels)))
     segments = OWN["hough_segments"](white, 10)
     wide, narrow = (len(OWN["merge_edges"](segments, width)) for width in (20.0, 4.0))
-    assert f"turns {len(segments)} segments into {wide} centre lines" in TEXT
-    assert f"`max_width` of 4 pixels it returns only {narrow}" in TEXT
+    quotes(TEXT, f"{len(segments)} segments into {wide} centre lines", f"only {narrow}")
 
 
 @pytest.mark.slow
 def test_it_is_so_in_the_pictures_of_the_challenge_too():
     unseen = [CHALLENGE.make(number) for number in CHALLENGE.seeds]
     match, cost, less, (low, high) = against_nothing(unseen, with_centre_lines)
-    assert f"finds {match.hits} corners with {match.false} false ones and costs {cost:.2f}" in TEXT
-    assert (
-        f"That is {-less:.2f} less than nothing, and the interval, {low:.2f} to {high:.2f}, does not" in TEXT
-    )
+    counts = f"{match.hits} corners with {match.false} false"
+    quotes(TEXT, counts, f"costs {cost:.2f}", f"{-less:.2f} less", f"{low:.2f} to {high:.2f}")
     assert high < 0
 
 
@@ -182,11 +183,8 @@ def test_the_running_picture_gets_fewer_segments_as_the_text_says():
     white = OWN["line_picture"](label(place.pixels))
     kept = OWN["line_picture"](OWN["erase_background"](label(place.pixels)))
     raw, labelled, erased = (len(ready_made_segments(each)) for each in (place.pixels, white, kept))
-    assert f"It finds {raw} segments" in TEXT and len(place.truth.corners) == 3
-    assert (
-        f"found {raw} segments. In your line picture it finds {labelled}, and {erased} once the background"
-        in TEXT
-    )
+    assert len(place.truth.corners) == 3
+    quotes(TEXT, f"finds {raw} segments", f"found {raw} segments", f"finds {labelled}", f"{erased} once")
     found = OWN["find_corners"](label(place.pixels))
     near = found[np.linalg.norm(found - place.truth.corners[2], axis=1) < 10]
     assert len(found) == 4 and f"{np.hypot(*(near[1] - near[0])):.0f} pixels apart" in TEXT

@@ -39,7 +39,7 @@ def test_what_is_far_too_long_is_wrong_before_points_are_made_along_it(hostile):
     verdict = Segments().compare(TWO, np.array(hostile))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert verdict.kind == "value" and "far longer than expected" in verdict.text and peak < 2**22
+    assert verdict.kind == "value" and "longer" in verdict.text and peak < 2**22
 
 
 def test_the_tolerance_and_the_share_are_where_right_ends():

@@ -39,4 +39,4 @@ def test_other_pixels_of_the_picture_stay_as_they_are():
 
 def test_a_field_without_a_yellow_goal_says_so():
     nao = SimulatedNao(Field(2025), rng=3)
-    assert "there is no yellow goal on this field" in panel_of(nao).summary()
+    assert "no yellow goal" in panel_of(nao).summary()

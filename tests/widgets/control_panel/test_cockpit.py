@@ -25,3 +25,9 @@ def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there():
     cockpit = Cockpit(nao, Truth(nao), Recorder(Pose(0.5, -0.5, 0.4)), frame=Pose())
     cockpit.move(Motion(0.05))
     assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
+
+
+def test_a_heading_that_is_nearly_zero_is_shown_as_zero():
+    cockpit = Cockpit(clean_nao())
+    cockpit.move(Motion(-1e-6, -1e-6))
+    assert "-0" not in " ".join(cockpit.facts())

@@ -95,9 +95,7 @@ def test_a_hidden_truth_is_neither_in_words_nor_in_the_map():
     panel._screen._show_map()
     assert panel._screen._map.contents.paths == before == {"odometry": tuple(panel.cockpit.odometry)}
     assert "truth" not in panel.summary()
-    assert (
-        "tick Show the truth" in panel._controls.numbers.value and " cm" not in panel._controls.numbers.value
-    )
+    assert "Show the truth" in panel._controls.numbers.value and " cm" not in panel._controls.numbers.value
     assert "truth" not in repr(panel._repr_mimebundle_()["text/html"])
     panel.show_truth = True
     assert panel._screen._map.contents.paths["truth"][-1] == Pose(2.0, 1.0, 2.0)
@@ -315,3 +313,11 @@ def test_the_panel_starts_no_thread():
 
 
 # --- what the browser gets, and what stays where it cannot live ---
+
+
+def test_where_no_widget_can_live_a_picture_and_words_remain():
+    panel = ControlPanel(clean_nao())
+    bundle = panel._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert bundle["text/plain"].startswith("ControlPanel: NAO V4")
+    assert '<img alt="Control panel: NAO V4; odometry (0.00, 0.00) m' in bundle["text/html"]

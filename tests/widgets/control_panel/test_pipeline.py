@@ -403,3 +403,16 @@ def test_stop_ends_what_goes_by_itself():
     assert panel.cockpit.nao.odometry.x < 1.0 and "Stopped." in panel.summary()
     panel.forward(0.05)
     assert not panel.driving
+
+
+def test_what_the_students_code_prints_stands_in_the_panel_and_nowhere_else(capsys):
+    panel = make(brightest=lambda picture: print("<seen>") or brightest(picture))
+    assert "&lt;seen&gt;" in status(panel) and capsys.readouterr().out == ""
+
+
+def test_slow_code_is_said_to_be_slow_in_the_panel_and_not_in_what_a_lesson_prints(monkeypatch):
+    monkeypatch.setattr(module, "SLOW", 0.0)
+    panel = make()
+    assert "slows the drive" not in status(panel), "the first picture also calibrates"
+    panel.forward(0.05 * module.JUDGED)
+    assert "which slows the drive down" in status(panel) and " ms " not in panel.summary()

@@ -247,3 +247,12 @@ def test_the_mesh_of_a_picture_has_the_rays_of_the_lens(world, camera):
     pixels = view.project(view.position + seen).reshape(GRID[1], GRID[0], 2)
     np.testing.assert_allclose(pixels[0, 0], [-0.5, -0.5], atol=1e-6)
     np.testing.assert_allclose(pixels[-1, -1], [319.5, 239.5], atol=1e-6)
+
+
+def test_impossible_views_are_refused():
+    with pytest.raises(ValueError, match="'behind', 'above', 'goal'"):
+        WorldView(viewpoint="below")
+    with pytest.raises(ValueError, match="source must be one of"):
+        WorldView(source="gps")
+    with pytest.raises(ValueError, match="2 or 3 coordinates"):
+        Ray((1.0,))
