@@ -62,6 +62,14 @@ def test_equations_are_quoted_by_numbers_that_they_have(name):
 
 
 @each_lesson
+def test_hints_and_messages_name_equations_of_their_lesson_or_of_an_earlier_one(name):
+    for exercise in public(name).exercises:
+        said = " ".join([*exercise.hints, *(mistake.message for mistake in exercise.mistakes)])
+        for number in numbers(r"[Ee]quations?", said):
+            assert number in equations() and int(number.partition(".")[0]) <= int(name[:2])
+
+
+@each_lesson
 def test_links_of_a_lesson_lead_to_files_beside_it(name):
     prose = "\n".join(cell.source for cell in solved(name).cells if cell.cell_type == "markdown")
     prose = re.sub(r"`[^`]*`", "", prose)
