@@ -1,14 +1,12 @@
 """The course's language, as far as a pattern can judge it.
 
-``python -m tests.language FILE ...`` lists a file's offences with their lines. Without a file, the command counts
-the offences of every file. ``python -m tests.language --lower`` lowers the numbers in `REMAINING`; it never raises one.
+``python -m tests.language FILE ...`` lists a file's offences with their lines.
 """
 
 from __future__ import annotations
 
 import ast
 import io
-import json
 import re
 import sys
 import tokenize
@@ -19,21 +17,14 @@ from typing import NamedTuple
 
 from tests.paths import PROJECT
 
-# The only list of files that are not clean yet, with counts.
-REMAINING = PROJECT / "tests" / "language_remaining.json"
-
 
 @dataclass(frozen=True)
 class Banned:
-    """A regular expression that must not appear in prose, and what to write instead.
-
-    A space in the pattern matches any white space, so a sentence may continue on the next line. `allowed` maps contexts
-    in which the pattern is right to the reasons; a context is a regular expression too, and it covers the offence if
-    its match includes the offence's.
-    """
+    """A pattern that must not appear in prose; a space matches any white space, also the end of a line."""
 
     pattern: str
-    say: str
+    say: str  # instead
+    # Contexts in which the pattern is right, each with the reason: patterns whose match includes the offence's.
     allowed: dict[str, str] = field(default_factory=dict)
 
 
@@ -44,64 +35,32 @@ PERSON = (
 THING = r"(?:the|a|an|each|this|that|its)"
 PROSE = (
     # The glossary's left column
-    Banned(
-        r"slopes?",
-        "derivative, gradient, Jacobian",
-        {
-            rf"slopes? of {THING} (?:\w+ )?(?:lines?|edges?|segments?|ramp|ground|lawn|floor|hill|curve|graph)": (
-                "geometry: a line in a picture has a slope"
-            ),
-            r"uphill slope|downhill slope": "a hill",
-        },
-    ),
-    Banned(
-        r"doubt(?:s|ed|ful)?",
-        "uncertainty, standard deviation, covariance",
-        {r"(?:no|any|without(?: a)?|beyond|in|when in) doubt": "plain English: a person decides"},
-    ),
+    Banned(r"slopes?", "derivative, gradient, Jacobian", {
+        rf"slopes? of {THING} (?:\w+ )?(?:lines?|edges?|segments?|ramp|ground|lawn|floor|hill|curve|graph)":
+            "geometry: a line in a picture has a slope",
+        r"uphill slope|downhill slope": "a hill"}),
+    Banned(r"doubt(?:s|ed|ful)?", "uncertainty, standard deviation, covariance", {
+        r"(?:no|any|without(?: a)?|beyond|in|when in) doubt": "plain English: a person decides"}),
     Banned(r"unsure|how (?:sure|surely)|as sure as|surely", "uncertainty, standard deviation, covariance"),
-    Banned(
-        r"surpris(?:e|es|ed|ing)",
-        "innovation (of a filter), residual (of a graph)",
-        {
-            rf"surpris(?:e|es|ed|ing) {PERSON}|{PERSON} (?:is |are |was |were |be )?surprised": "a person is surprised",
-            r"surprising(?:ly)? (?:well|few|many|small|large|often|result|fact)": "plain English about a result",
-        },
-    ),
+    Banned(r"surpris(?:e|es|ed|ing)", "innovation (of a filter), residual (of a graph)", {
+        rf"surpris(?:e|es|ed|ing) {PERSON}|{PERSON} (?:is |are |was |were |be )?surprised": "a person is surprised",
+        r"surprising(?:ly)? (?:well|few|many|small|large|often|result|fact)": "plain English about a result"}),
     Banned(r"spread of (?:the|an|its|each) innovations?|innovation's spread", "innovation covariance S"),
-    Banned(
-        r"sights?",
-        "measurement, observation; frame, if it is a picture",
-        {r"lines? of sight|(?:in|out of|at first|lose|loses|lost|within) sight": "plain English"},
-    ),
-    Banned(
-        r"(?:a|one|the|each|every|per|single|new|first|second|last|next|another|this|that|its|of) looks?(?!-)"
-        r"|(?:many|few|several|two|three|four|five|ten|\d+|these|those|all|more|whose|without|by) looks",
-        "measurement, observation; frame, if it is a picture",
-        {
-            r"(?:take|have|worth|takes|has) a (?:close |closer |second )?look at": "plain English: a person looks",
-            r"(?:each|every|one|this|that|the \w+) looks (?:like|as|at|for|up|into|the same|right|wrong|down)": (
-                "a verb"
-            ),
-        },
-    ),
+    Banned(r"sights?", "measurement, observation; frame, if it is a picture", {
+        r"lines? of sight|(?:in|out of|at first|lose|loses|lost|within) sight": "plain English"}),
+    Banned(r"(?:a|one|the|each|every|per|single|new|first|second|last|next|another|this|that|its|of) looks?(?!-)"
+           r"|(?:many|few|several|two|three|four|five|ten|\d+|these|those|all|more|whose|without|by) looks",
+           "measurement, observation; frame, if it is a picture", {
+        r"(?:take|have|worth|takes|has) a (?:close |closer |second )?look at": "plain English: a person looks",
+        r"(?:each|every|one|this|that|the \w+) looks (?:like|as|at|for|up|into|the same|right|wrong|down)": "a verb"}),
     Banned(r"takes? (?:a|\w+) looks? .{0,20}in\b", "update with a measurement"),
     Banned(r"(?:dis)?honest(?:ly|y)?", "consistent (a filter); correct, legitimate (a person's work)"),
-    Banned(
-        r"lean(?:s|t|ed|ing)?",
-        "body tilt; tilts, tilted",
-        {r"lean(?:s|ed|ing)? (?:against|back)": "a person or a ladder"},
-    ),
-    Banned(r"told", "commanded (a motion), given (a value), reported; for two things: distinguished", {}),
-    Banned(
-        r"tells?",
-        "shows, gives, says, reports, means; for two things: distinguish",
-        {
-            rf"tells? (?:\w+ly )?{PERSON}": "a person is told something",
-            r"tells? [^.;:]{1,60} apart": "an idiom",
-            r"tell : callable": "a parameter's name",
-        },
-    ),
+    Banned(r"lean(?:s|t|ed|ing)?", "body tilt; tilts, tilted", {
+        r"lean(?:s|ed|ing)? (?:against|back)": "a person or a ladder"}),
+    Banned(r"told", "commanded (a motion), given (a value), reported; for two things: distinguished"),
+    Banned(r"tells?", "shows, gives, says, reports, means; for two things: distinguish", {
+        rf"tells? (?:\w+ly )?{PERSON}": "a person is told something", r"tells? [^.;:]{1,60} apart": "an idiom",
+        r"tell : callable": "a parameter's name"}),
     Banned(r"believe[sd]?|believing", "estimate(s), estimated; belief is the field's noun"),
     Banned(r"straight lines? (?:about|at the estimate)|by a straight line", "linearisation at"),
     Banned(r"com(?:e|es|ing) from (?:nothing|nowhere)", "initialisation without a prior"),
@@ -110,9 +69,7 @@ PROSE = (
     Banned(r"the sum of (?:the |all |its |your )?points", "the total score"),
     Banned(r"(?:somebody|someone|nobody)'s page|my NAO's page", "feedback page"),
     Banned(r"somebody(?:'s)?", "someone, a student, a person: say who"),
-    Banned(
-        r"(?:experiment's|the) ways of (?:an|the) experiment|experiment's ways", "variants, configurations"
-    ),
+    Banned(r"(?:experiment's|the) ways of (?:an|the) experiment|experiment's ways", "variants, configurations"),
     Banned(r"wrong in (?:two|both|several) places", "has two errors"),
     Banned(r"pieces? of (?:\w+ )?lines?", "line segments"),
     Banned(r"what(?:ever)? (?:is|was) left", "the remainder, the residual"),
@@ -120,36 +77,23 @@ PROSE = (
     Banned(r"second chances?", "retry"),
     Banned(r"hoards?|deaf|nursery|nurseries", "buffer, non-interruptible: say what it is"),
     Banned(r"bells?", "watchdog, alarm", {r"bell(?: |-)(?:curve|shaped)": "the shape of a Gaussian"}),
-    Banned(
-        r"middles|middle of (?:a|the|its|this|that|each) (?:\w+ )?(?:circle|arc|line|segment)s?",
-        "centre, midpoint",
-    ),
+    Banned(r"middles|middle of (?:a|the|its|this|that|each) (?:\w+ )?(?:circle|arc|line|segment)s?",
+           "centre, midpoint"),
     Banned(r"(?:the|of|remov\w+|without|many|no|before|as|are) doubles", "duplicates"),
     Banned(r"(?:takes?|taking) in", "update with, include, use"),
     # Constructions of rules 4 and 5
     Banned(r"ones? (?:that|which|who|whose|of which)", "repeat the noun: 'a function that'"),
     Banned(r"that of", "repeat the noun: 'the time of the slowest call'", {r"note that of": "a conjunction"}),
     Banned(r"those (?:of|whose|that|which)", "repeat the noun: 'the cases whose'"),
-    Banned(
-        r"(?:is|are|was|were|be) (?-i:none)",
-        "is not a NOUN",
-        {r"there (?:is|are|was|were|may be) (?-i:none)": "plain English"},
-    ),
-    Banned(
-        r"(?:is|are|was|were) no",
-        "is not a NOUN",
-        {
-            r"(?:there|it) (?:is|are|was|were) no|there (?:is|are) \w+ and (?:is|are) no": "there is no NOUN",
-            r"(?:is|are|was|were) no (?:longer|more|less|different|better|worse|larger|smaller|faster|slower)": (
-                "a comparison"
-            ),
-            r"(?:is|are|was|were) no (?:reason|need|coincidence|accident|wonder)": "an idiom",
-        },
-    ),
-    Banned(
-        r"what is [^.?!]{1,40} and (?:is |has )?(?:no|not|none)",
-        "name the things: 'white pixels outside the lines'",
-    ),
+    Banned(r"(?:is|are|was|were|be) (?-i:none)", "is not a NOUN", {
+        r"there (?:is|are|was|were|may be) (?-i:none)": "plain English"}),
+    Banned(r"(?:is|are|was|were) no", "is not a NOUN", {
+        r"(?:there|it) (?:is|are|was|were) no|there (?:is|are) \w+ and (?:is|are) no": "there is no NOUN",
+        r"(?:is|are|was|were) no (?:longer|more|less|different|better|worse|larger|smaller|faster|slower)":
+            "a comparison",
+        r"(?:is|are|was|were) no (?:reason|need|coincidence|accident|wonder)": "an idiom"}),
+    Banned(r"what is [^.?!]{1,40} and (?:is |has )?(?:no|not|none)",
+           "name the things: 'white pixels outside the lines'"),
     Banned(r"what of|of what (?:is|was|are|it)", "name the thing"),
     Banned(r"(?:has|have|is|does|do) not, and (?:is|has|does|are|do)", "a riddle: say both facts"),
     Banned(r"(?:came|comes?) of", "result, follow: 'the outcome of'"),
@@ -158,27 +102,31 @@ PROSE = (
     Banned(r"one raises|raises one", "name what raises"),
     Banned(r"(?:sees|hears|knows|says|does|gives|has) (?:it|them|this) never", "never before the verb"),
     Banned(r"(?:of|from|to|with) (?-i:none)", "say it with 'not' or 'no NOUN'"),
-)
+)  # fmt: skip
 
+_NAMES = """
+slope slopes: derivative, gradient, jacobian
+doubt doubts unsure surely: sigma, covariance, uncertainty
+surprise surprises surprising: innovation, residual
+sight sights look looks: measurement, observation, frame; appearance, style
+honest honesty: consistent, consistency
+lean leans leaning: tilt, tilted
+told: commanded, given, reported
+believed believes believe: estimate, estimated
+lent lend lends lending: reference, stand_in
+hoard bell deaf nursery: buffer, watchdog
+middle middles: centre, midpoint
+doubles: duplicates
+somebody somebodys: someone; feedback
+chances: retries
+gone: removed, discarded
+ways: variants, configurations
+"""
 NAMES = {
-    **dict.fromkeys(("slope", "slopes"), "derivative, gradient, jacobian"),
-    **dict.fromkeys(("doubt", "doubts", "unsure", "surely"), "sigma, covariance, uncertainty"),
-    **dict.fromkeys(("surprise", "surprises", "surprising"), "innovation, residual"),
-    **dict.fromkeys(
-        ("sight", "sights", "look", "looks"), "measurement, observation, frame; appearance, style"
-    ),
-    **dict.fromkeys(("honest", "honesty"), "consistent, consistency"),
-    **dict.fromkeys(("lean", "leans", "leaning"), "tilt, tilted"),
-    **dict.fromkeys(("told",), "commanded, given, reported"),
-    **dict.fromkeys(("believed", "believes", "believe"), "estimate, estimated"),
-    **dict.fromkeys(("lent", "lend", "lends", "lending"), "reference, stand_in"),
-    **dict.fromkeys(("hoard", "bell", "deaf", "nursery"), "buffer, watchdog, ..."),
-    **dict.fromkeys(("middle", "middles"), "centre, midpoint"),
-    **dict.fromkeys(("doubles",), "duplicates"),
-    **dict.fromkeys(("somebody", "somebodys"), "someone; feedback"),
-    **dict.fromkeys(("chances",), "retries"),
-    **dict.fromkeys(("gone",), "removed, discarded"),
-    **dict.fromkeys(("ways",), "variants, configurations"),
+    word: say
+    for line in _NAMES.strip().split("\n")
+    for words, _, say in [line.partition(": ")]
+    for word in words.split()
 }
 WHOLE_NAMES = {
     "about": "linearised_at",
@@ -191,7 +139,9 @@ WHOLE_NAMES = {
     "FieldOdometry": "OdometryNoise",
 }
 ALLOWED_NAMES = {
-    **dict.fromkeys(("look_at", "look_around", "look_ahead", "look_down"), "a verb: the head turns there"),
+    **dict.fromkeys(
+        ("look", "look_at", "look_around", "look_ahead", "look_down"), "a verb: the head turns there"
+    ),
     "remove_doubles": "exercise 3.5: students' notebooks of all releases define it",
 }
 
@@ -409,41 +359,12 @@ def begins_with_a_verb(docstring: str) -> bool:
     return first.rstrip(",.:;") in VERBS and second not in ("of", "is", "are")
 
 
-def remaining() -> dict[str, int]:
-    """Return how many offences each file may still have; a file that is not listed has to be clean."""
-    return dict(json.loads(REMAINING.read_text(encoding="utf-8"))) if REMAINING.is_file() else {}
-
-
-def lower() -> None:
-    """Lower the numbers of files that have fewer offences than they may have."""
-    before = remaining()
-    counts = {file: min(len(offences(file)), before.get(file, 0)) for file in files()}
-    _write({file: count for file, count in counts.items() if count})
-
-
-def _write(counts: dict[str, int]) -> None:
-    REMAINING.write_text(json.dumps(counts, indent=2) + "\n", encoding="utf-8")
-
-
-def main(arguments: Iterable[str]) -> int:
-    """List the offences of some files, or count those of all; return 1 if a named file has any."""
-    wanted = list(arguments)
-    if wanted == ["--lower"]:
-        lower()
-        return 0
-    if not wanted:
-        counts = {file: len(offences(file)) for file in files()}
-        for file, count in sorted(counts.items(), key=lambda each: -each[1]):
-            if count:
-                print(f"{count:5d} {file}")
-        print(f"{sum(counts.values()):5d} in all")
-        return 0
-    found = 0
-    for file in wanted:
-        for each in offences(Path(file).resolve()):
-            print(f"{file}:{each.line}: {each.text} -> {each.say}")
-            found += 1
-    return int(found > 0)
+def main(paths: Iterable[str]) -> int:
+    """List the offences of some files; return 1 if there are any."""
+    found = [(path, each) for path in paths for each in offences(Path(path).resolve())]
+    for path, each in found:
+        print(f"{path}:{each.line}: {each.text} -> {each.say}")
+    return int(bool(found))
 
 
 if __name__ == "__main__":
