@@ -1,15 +1,26 @@
-"""Accidents and odd but honest work: broken files, and notebooks in every shape that students write them in."""
+"""Accidents and odd but honest work: broken files, and notebooks in every shape that students write them in.
+
+An entry stands for one thing that a reader of files, the loader of definitions or the codec treats in a way of its own.
+What only changes the inside of a function is another student's notebook (`tests/real_life`), not an entry here.
+"""
 
 from __future__ import annotations
 
+import copy
+import gzip
 import importlib.util
 import io
 import json
 import os
+import random
 import stat
+import struct
+import sys
+import textwrap
 import warnings
 import zipfile
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +30,12 @@ FILE = f"{LESSON}.ipynb"
 FORMAT = "not a notebook of format 4"
 HONEST = notebook(Attack("honest", "honest"))
 TEXT = json.dumps(HONEST, indent=1)
+BLANK_TEXT = json.dumps(notebook(Attack("blank", "honest", functions=BLANK)))
+CLAMP, SCALED = RIGHT["clamp"], RIGHT["scaled"]
+Edit = Callable[[dict[str, Any]], object]
+
+
+# --- how an entry is made ---
 
 
 def broken(name: str, content: bytes | str, says: str = FORMAT, row: str = "broken") -> Attack:
@@ -31,16 +48,9 @@ def readable(name: str, content: bytes | str, row: str = "broken") -> Attack:
     return Attack(name, row, all_but(), files={FILE: content})
 
 
-def edited(
-    name: str, edit: Callable[[dict[str, Any]], object], *lost: str, row: str = "broken", says: str = ""
-) -> Attack:
+def edited(name: str, edit: Edit, *lost: str, row: str = "broken", says: str = "") -> Attack:
     """A notebook that is odd in one place, which costs no more than what stands there."""
     return Attack(name, row, all_but(*lost), edit=edit, says=says)
-
-
-def style(name: str, function: str, source: str, *, row: str = "styles", **more: Any) -> Attack:
-    """One exercise written in another way: full points."""
-    return Attack(name, row, more.pop("honest", all_but()), {function: source}, **more)
 
 
 def put(name: str, honest: Mapping[str, float], make: Callable[[Path], object], says: str = "") -> Attack:
@@ -48,186 +58,101 @@ def put(name: str, honest: Mapping[str, float], make: Callable[[Path], object], 
     return Attack(name, "broken", honest, make=make, says=says, refused=not honest)
 
 
-# --- files that are no notebooks ---
+def named(name: str, *files: tuple[str, bytes | str]) -> Attack:
+    """Files in the student's folder, each later than the one before, with full points."""
 
-R_CELLS = "clamp <- function(x, low, high) {\n  max(low, min(high, x))\n}"
-JULIA_CELLS = "function clamp(x, low, high)\n    max(low, min(high, x))\nend"
+    def make(folder: Path) -> None:
+        for number, (file, content) in enumerate(files):
+            (folder / file).write_bytes(content.encode() if isinstance(content, str) else content)
+            os.utime(folder / file, (1.8e9 + number, 1.8e9 + number))
+
+    return put(name, all_but(), make)
+
+
+def zipped(name: str, data: bytes, says: str = "") -> Attack:
+    """A zip that is handed in: refused where it says why."""
+    return put(
+        name, {} if says else all_but(), lambda folder: (folder / f"{LESSON}.zip").write_bytes(data), says
+    )
+
+
+def large(
+    name: str,
+    edit: Edit = lambda made: None,
+    text: Callable[[str], str | bytes] = lambda made: made,
+    honest: Mapping[str, float] | None = None,
+    says: str = "",
+) -> Attack:
+    """A notebook with three megabytes of output, which a confined process reads first, that is odd in one place."""
+
+    def make(folder: Path) -> None:
+        made = copy.deepcopy(HONEST)
+        padded(made)
+        edit(made)
+        content = text(json.dumps(made))
+        (folder / FILE).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+    return replace(put(f"large_{name}", all_but() if honest is None else honest, make, says), row="large")
+
+
+def style(name: str, source: str, function: str = "clamp", *, row: str = "styles", **more: Any) -> Attack:
+    """One exercise written in another way: full points, unless others are stated."""
+    return Attack(name, row, more.pop("honest", all_but()), {function: source}, **more)
+
+
+def answer(name: str, source: str, lost: str = "") -> Attack:
+    """`scaled` with an answer of another type: `made` is the right one; `middle` works on with it."""
+    made = "def scaled(values):\n    made = (values - values.min()) / np.ptp(values)\n"
+    return style(name, f"{made}    return {source}", "scaled", row="honest", honest=all_but(lost))
+
+
+def beside(name: str, lines: str, *lost: str, says: str = "") -> Attack:
+    """`clamp` that does something else as well."""
+    body = textwrap.indent(textwrap.dedent(lines).strip(), "    ")
+    source = f"def clamp(x, low, high):\n{body}\n    return max(low, min(high, x))"
+    return style(name, source, row="honest", honest=all_but(*lost), says=says)
+
+
+def top(name: str, source: str, says: str = "") -> Attack:
+    """A cell of the student's own, which costs nothing."""
+    return Attack(name, "honest", all_but(), before=source, says=says)
+
+
+# --- files ---
 
 
 def foreign(source: str, name: str) -> str:
     """The notebook in another language."""
-    cells = [cell(source, each) for each in RIGHT]
     kernel = {"kernelspec": {"name": name, "language": name, "display_name": name}}
+    cells = [cell(source, each) for each in RIGHT]
     return json.dumps(HONEST | {"cells": cells, "metadata": HONEST["metadata"] | kernel})
 
 
-OLD_FORMAT = json.dumps(
-    {
-        "nbformat": 3,
-        "metadata": {},
-        "worksheets": [
-            {"cells": [{"cell_type": "code", "language": "python", "input": each} for each in RIGHT.values()]}
-        ],
-    }
-)
-CONFLICT = TEXT.replace(
-    '  "cell_type": "code",',
-    '<<<<<<< HEAD\n  "cell_type": "code",\n=======\n  "cell_type": "raw",\n>>>>>>> mine',
-    1,
-)
+TRICKS = {"kernelspec": {"name": "x", "language": "\x1b[2J\u202eR<b id=nao_attack>\ud800"}}
+TRICKY = json.dumps(json.loads(foreign("x <- 1", "R")) | {"metadata": TRICKS})
+OLD_CELLS = [{"cell_type": "code", "language": "python", "input": each} for each in RIGHT.values()]
+CONFLICT = "<<<<<<< HEAD\n{}\n=======\n{}\n>>>>>>> mine"
 NO_NOTEBOOKS = (
     broken("json_truncated", TEXT[:-300]),
     broken("json_binary", bytes(range(256)) * 40),
     broken("json_list", "[]"),
-    broken("json_number", "7"),
-    broken("json_null", "null"),
-    broken("json_text", '"cells"'),
     broken("json_empty_dict", "{}"),
     broken("json_cells_a_dict", '{"nbformat": 4, "cells": {"cell_type": "code"}}'),
     broken("json_key_nan", '{NaN: 1, "nbformat": 4, "cells": []}'),
-    broken("json_two_documents", TEXT + TEXT),
     broken("empty", b"", "it is empty"),
     broken("blank", b" \n\t\r\n" * 100, "it is empty"),
-    broken("format_3", OLD_FORMAT),
+    broken("format_3", json.dumps({"nbformat": 3, "metadata": {}, "worksheets": [{"cells": OLD_CELLS}]})),
     broken("format_5", json.dumps(HONEST | {"nbformat": 5})),
-    broken("language_r", foreign(R_CELLS, "R"), "in Python, got R"),
-    broken("language_julia", foreign(JULIA_CELLS, "julia"), "in Python, got julia"),
-    broken("conflict_in_file", CONFLICT),
+    broken("language_r", foreign("clamp <- function(x, low, high) max(low, min(high, x))", "R"), "in Python, got R"),
+    broken("language_that_plays_tricks", TRICKY, "in Python, got"),
+    broken("conflict_in_file", TEXT.replace('"cell_type": "code",', CONFLICT.format('"cell_type": "code",', ""), 1)),
     broken("html", "<!doctype html><title>nao_attack</title><p>Log in to download"),
-    broken("python_script", "\n\n".join(RIGHT.values())),
-    broken("nested", '{"nbformat": 4, "cells": ' + "[" * 100_000 + "]" * 100_000 + "}", row="large"),
-    broken(
-        "nested_dicts", '{"nbformat": 4, "cells": ' + '{"a":' * 100_000 + "1" + "}" * 100_001, row="large"
-    ),
     broken("zip_named_ipynb", b"PK\3\4" + bytes(200)),
-)
-
-
-# --- notebooks that are odd in one place ---
-
-
-def into(index: int, **changes: Any) -> Callable[[dict[str, Any]], None]:
-    """Change a code cell; 1 is that of `clamp`."""
-    return lambda made: made["cells"][index].update(changes)
-
-
-def without(index: int, key: str) -> Callable[[dict[str, Any]], None]:
-    return lambda made: made["cells"][index].pop(key)
-
-
-def adding(*cells: Any) -> Callable[[dict[str, Any]], None]:
-    return lambda made: made["cells"].extend(cells)
-
-
-def of_notebook(**changes: Any) -> Callable[[dict[str, Any]], None]:
-    return lambda made: made.update(changes)
-
-
-def markdown(source: str, **more: Any) -> dict[str, Any]:
-    return {"cell_type": "markdown", "metadata": {}, "source": source} | more
-
-
-def as_lists(made: dict[str, Any]) -> None:
-    """Sources as Jupyter itself writes them."""
-    for each in made["cells"]:
-        each["source"] = each["source"].splitlines(keepends=True)
-
-
-def chatty(size: int) -> Callable[[dict[str, Any]], None]:
-    output = {"output_type": "stream", "name": "stdout", "text": "x" * size}
-    return into(2, outputs=[output])
-
-
-WRITTEN = {"nbgrader": {"grade_id": "why", "grade": True, "solution": True, "points": 2}}
-CONFLICT_IN_CELL = f"<<<<<<< HEAD\n{RIGHT['clamp']}\n=======\n{BLANK['clamp']}\n>>>>>>> mine"
-ODD_NOTEBOOKS = (
-    readable("utf_8_bom", TEXT.encode("utf-8-sig")),
-    readable("utf_32", TEXT.encode("utf-32")),
-    readable("utf_16", TEXT.encode("utf-16")),
-    readable("latin_1", TEXT.replace("return", "# é\\n    return").encode("latin-1")),
-    readable("windows_lines", TEXT.replace("\n", "\r\n")),
-    readable("keys_twice", TEXT.replace('"cells"', '"cells": [], "cells"', 1)),
-    readable("constants_nan", TEXT.replace('"metadata": {', '"metadata": {"nan": NaN, "inf": -Infinity,')),
-    readable("minor_99", TEXT.replace('"nbformat_minor": 5', '"nbformat_minor": 99')),
-    edited("no_format", lambda made: made.pop("nbformat")),
-    edited("no_metadata", lambda made: made.pop("metadata")),
-    edited("no_ids", lambda made: [each.pop("id") for each in made["cells"]]),
-    edited("lists_of_lines", as_lists),
-    edited("metadata_a_list", of_notebook(metadata=[])),
-    edited(
-        "metadata_of_odd_types",
-        of_notebook(metadata={"kernelspec": 7, "nao_course": "x", "language_info": []}),
-    ),
-    edited("cell_metadata_a_list", into(1, metadata=[])),
-    edited("cell_metadata_null", into(1, metadata=None)),
-    edited("cell_metadata_of_odd_types", into(1, metadata={"nbgrader": [1], "nao_course": 5})),
-    edited("cell_without_source", without(1, "source"), "clamp"),
-    edited("cell_source_null", into(1, source=None), "clamp"),
-    edited("cell_source_numbers", into(1, source=[1, None, {}]), "clamp"),
-    edited("cell_without_type", without(1, "cell_type"), "clamp"),
-    edited("cell_of_unknown_type", into(1, cell_type="raw2"), "clamp"),
-    edited("cell_type_a_list", into(1, cell_type=[]), "clamp"),
-    edited("cells_that_are_none", adding(None, 7, "text", [], {})),
-    edited("half_a_character", into(1, source=RIGHT["clamp"] + "  # \ud800"), "clamp"),
-    edited("half_a_character_in_words", adding(markdown("Because \ud83e.", metadata=WRITTEN))),
-    edited(
-        "half_a_character_in_stamp",
-        of_notebook(metadata={"nao_course": {"lesson": "\ud800", "version": "\udfff"}}),
-    ),
-    edited("null_character", into(1, source=RIGHT["clamp"] + "\0"), "clamp"),
-    edited("form_feed_and_nel", into(1, source="\f\n# \x85 \u2028\n" + RIGHT["clamp"])),
-    edited("conflict_in_cell", into(1, source=CONFLICT_IN_CELL), "clamp", says="SyntaxError"),
-    edited(
-        "attachments", adding(markdown("![](attachment:a.png)", attachments={"a.png": {"image/png": "aGk="}}))
-    ),
-    edited(
-        "wrong_kernel_python_cells", of_notebook(metadata={"kernelspec": {"name": "ir", "language": "R"}})
-    ),
-    edited(
-        "kernel_of_colab", of_notebook(metadata={"kernelspec": {"name": "python3"}, "accelerator": "GPU"})
-    ),
-    edited("outputs_of_45_mb", chatty(45 * 2**20), row="large"),
-    edited("a_line_of_5_mb", into(1, source=RIGHT["clamp"] + "  #" + "x" * 5 * 2**20), row="large"),
-    edited("blanks_of_1_mb", into(1, source=RIGHT["clamp"] + "\n%time 1\n" + " " * 2**20 + "#"), row="large"),
-    edited("blank_lines_of_1_mb", into(1, source="%time 1\n" + "\n" * 2**20 + RIGHT["clamp"]), row="large"),
-    edited("empty_cells_100_000", lambda made: made["cells"].extend([cell("")] * 100_000), row="large"),
-    edited("written_cells_10_000", adding(*[markdown("x" * 100, metadata=WRITTEN)] * 10_000), row="large"),
-    edited(
-        "expression_too_deep",
-        into(1, source="x = " + "(" * 5000 + ")" * 5000 + "\n" + RIGHT["clamp"]),
-        "clamp",
-        row="large",
-    ),
-    broken(
-        "outputs_of_51_mb",
-        TEXT.replace('"outputs": []', f'"outputs": ["{"x" * 51 * 2**20}"]', 1),
-        "larger than 50 MB",
-        "large",
-    ),
-)
-
-
-# --- what is no plain file, and zips ---
-
-
-def sparse(folder: Path) -> None:
-    with (folder / FILE).open("wb") as file:
-        file.truncate(200 * 2**20)
-
-
-def unreadable(folder: Path) -> None:
-    (folder / FILE).write_text(TEXT)
-    (folder / FILE).chmod(0)
-
-
-def link(folder: Path) -> None:
-    other = next(path for path in folder.parent.rglob(FILE))
-    (folder / FILE).symlink_to(other)
-
-
-def helper_link(folder: Path) -> None:
-    (folder / FILE).write_text(TEXT)
-    (folder / "mine.py").symlink_to("/etc/passwd")
+    broken("nested", '{"nbformat": 4, "cells": ' + "[" * 100_000 + "]" * 100_000 + "}", row="large"),
+    broken("nested_in_outputs", TEXT.replace('"outputs": []', '"outputs": ' + "[" * 10**5 + "]" * 10**5, 1)),
+    broken("outputs_of_51_mb", TEXT.replace('"outputs": []', f'"outputs": ["{"x" * 51 * 2**20}"]', 1),
+           "larger than 50 MB", "large"),
+)  # fmt: skip
 
 
 def packed(*entries: tuple[str, bytes | str], method: int = zipfile.ZIP_DEFLATED, mode: int = 0) -> bytes:
@@ -242,6 +167,33 @@ def packed(*entries: tuple[str, bytes | str], method: int = zipfile.ZIP_DEFLATED
     return made.getvalue()
 
 
+def raw_zip(
+    *entries: tuple[bytes, bytes], size: int | None = None, before: bytes = b"", comment: bytes = b""
+) -> bytes:
+    """A zip of stored entries with names of any bytes, and any size said of them."""
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w") as archive:
+        for at, (name, content) in enumerate(entries):
+            archive.writestr(f"{at}".rjust(len(name), "n"), content)
+        archive.comment = comment
+    data = made.getvalue()
+    for at, (name, content) in enumerate(entries):
+        data = data.replace(f"{at}".rjust(len(name), "n").encode(), name)
+        if size is not None:
+            data = data.replace(len(content).to_bytes(4, "little"), size.to_bytes(4, "little"))
+    return before + data
+
+
+def directory(offset: int, value: bytes, times: int = 1) -> bytes:
+    """The notebook's zip with bytes of its table of contents changed, and the only entry of it some times."""
+    data = bytearray(raw_zip(ENTRY))
+    start, end = data.index(b"PK\1\2"), data.rindex(b"PK\5\6")
+    data[start + offset : start + offset + len(value)] = value
+    entries = bytes(data[start:end]) * times
+    tail = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, times, times, len(entries), start, 0)
+    return bytes(data[:start]) + entries + tail
+
+
 def encrypted(data: bytes) -> bytes:
     """A zip whose entries say that they are."""
     changed = bytearray(data)
@@ -250,25 +202,51 @@ def encrypted(data: bytes) -> bytes:
     return bytes(changed)
 
 
-def zipped(name: str, data: bytes, says: str = "", file: str = f"{LESSON}.zip") -> Attack:
-    """A zip that is handed in: refused where it says why."""
-    return put(name, {} if says else all_but(), lambda folder: (folder / file).write_bytes(data), says)
+def sparse(folder: Path) -> None:
+    with (folder / FILE).open("wb") as file:
+        file.truncate(200 * 2**20)
 
 
-BLANK_TEXT = json.dumps(notebook(Attack("blank", "honest", functions=BLANK)))
+def linked(target: str | Path) -> Callable[[Path], object]:
+    return lambda folder: (folder / FILE).symlink_to(target)
+
+
+def with_file(make: Callable[[Path], object]) -> Callable[[Path], object]:
+    """The honest notebook, and something else in its folder."""
+    return lambda folder: ((folder / FILE).write_text(TEXT), make(folder))
+
+
+ENTRY = (FILE.encode(), TEXT.encode())
 BOMB = packed((FILE, bytes(49 * 2**20)))
 HONEST_ZIP = packed((FILE, TEXT))
+FOLDER = "work/" + FILE
 ROOT_READS = hasattr(os, "geteuid") and os.geteuid() == 0
-NO_FILES = (
+TEXTS = tuple((f"{at:04}.txt".encode(), b"x") for at in range(2001))
+LIBRARIES = (
+    "numpy",
+    "nao_course",
+    "json",
+    "sitecustomize",
+    "IPython",
+    "encodings",
+    "conftest",
+    "__init__",
+    "__main__",
+)
+FILES = (
     put("a_200_mb_notebook", {}, sparse, "larger than 50 MB"),
     put("a_folder", {}, lambda folder: (folder / FILE).mkdir(), "it is a folder"),
-    put("a_link_to_passwd", {}, lambda folder: (folder / FILE).symlink_to("/etc/passwd"), "symbolic link"),
-    put("a_link_to_a_neighbour", {}, link, "symbolic link"),
-    put("a_link_to_itself", {}, lambda folder: (folder / FILE).symlink_to(FILE), "symbolic link"),
-    put("a_link_to_zeros", {}, lambda folder: (folder / FILE).symlink_to("/dev/zero"), "symbolic link"),
+    put("a_link_to_passwd", {}, linked("/etc/passwd"), "symbolic link"),
+    put("a_link_to_a_neighbour", {}, lambda folder: linked(next(folder.parent.rglob(FILE)))(folder), "symbolic link"),
+    put("a_link_to_itself", {}, linked(FILE), "symbolic link"),
+    put("a_link_that_is_hard", all_but(),
+        lambda folder: os.link(next(folder.parent.glob(f"*-right/{FILE}")), folder / FILE)),
     put("a_pipe", {}, lambda folder: os.mkfifo(folder / FILE), "device or pipe"),
-    put("unreadable", all_but() if ROOT_READS else {}, unreadable, "" if ROOT_READS else "cannot be read"),
-    put("a_helper_that_is_a_link", all_but(), helper_link, "mine.py does not come along"),
+    put("unreadable", all_but() if ROOT_READS else {}, with_file(lambda folder: (folder / FILE).chmod(0)),
+        "" if ROOT_READS else "cannot be read"),
+    put("a_helper_that_is_a_link", all_but(), with_file(lambda folder: (folder / "mine.py").symlink_to("/etc/passwd")),
+        "mine.py does not come along"),
+    put("a_helper_that_is_a_pipe", all_but(), with_file(lambda folder: os.mkfifo(folder / "pipe.py"))),
     zipped("zip", HONEST_ZIP),
     zipped("zip_with_windows_names", packed((f"work\\{FILE}", TEXT))),
     zipped("zip_bomb", BOMB, "zip bomb"),
@@ -284,874 +262,460 @@ NO_FILES = (
     zipped("zip_names_twice", packed((FILE, BLANK_TEXT), (FILE, TEXT))),
     zipped("zip_of_an_empty_notebook", packed((FILE, "")), "it is empty"),
     zipped("zip_and_a_zip_in_it", packed((FILE, TEXT), ("old.zip", BOMB), ("__MACOSX/._" + FILE, "x"))),
-)
+    zipped("zip_behind_a_picture", raw_zip(ENTRY, before=b"\x89PNG\r\n" * 999)),
+    zipped("zip_with_a_zips_end_in_its_comment", raw_zip(ENTRY, comment=b"PK\5\6"), "no zip"),
+    zipped("zip_that_says_4_gb", raw_zip(ENTRY, size=0xFFFFFFF0), "50 MB are the most"),
+    zipped("zip_with_names_that_play_tricks", raw_zip((b"\x1b[2J\n\xe2\x80\xae/" + ENTRY[0], ENTRY[1]))),
+    zipped("zip_with_a_name_of_60000_bytes", raw_zip((b"d" * 60_000 + b"/" + ENTRY[0], ENTRY[1]))),
+    zipped("zip_of_1900_files", raw_zip(ENTRY, *TEXTS[:1900])),
+    zipped("zip_of_2001_files", raw_zip(ENTRY, *TEXTS), "more than 2000 files"),
+    zipped("zip_of_entries_that_overlap", directory(12, b"", 500)),
+    zipped("zip_of_a_notebook_of_20_mb", packed((FOLDER, TEXT.replace(
+        '"outputs": []', f'"outputs": ["{random.Random(0).randbytes(10**7).hex()}"]', 1)))),
+    named("two_notebooks_of_one_lesson", (f"{LESSON} (1).ipynb", BLANK_TEXT), (FILE, TEXT)),
+    Attack("two_notebooks_and_the_later_is_blank", "broken", all_but(), files={f"{LESSON}-Copy1.ipynb": BLANK_TEXT}),
+    named("name_of_255_bytes", (f"{LESSON}{' ' * (255 - len(LESSON) - 6)}.ipynb", TEXT)),
+    named("name_with_upper_case", (f"{LESSON.upper()}.IPYNB", TEXT)),
+    named("name_that_a_browser_and_a_person_made", (f"my {LESSON} final v2 (3)-Copy1.ipynb", TEXT)),
+    named("helpers_named_as_libraries", (FILE, TEXT), *((f"{each}.py", "raise SystemExit") for each in LIBRARIES)),
+    named("helper_that_imports_in_a_circle", (FILE, TEXT), ("one.py", "import two"), ("two.py", "import one")),
+)  # fmt: skip
 
 # What names no student and lesson, or is no notebook: by file name in the student's folder, with what is said of it.
+IN_A_ZIP = "a zip within a zip is not opened"
 UNKNOWN: Mapping[str, tuple[bytes, str]] = {
     f"{FILE}.txt": (TEXT.encode(), "it is no notebook"),
-    f"{LESSON}.not-python": (TEXT.encode(), "it is no notebook"),
     "my_solution.ipynb": (TEXT.encode(), "named after no lesson"),
     "11_other_course.ipynb": (TEXT.encode(), "named after no lesson"),
-    "nested.zip": (packed(("inner.zip", HONEST_ZIP)), "a zip within a zip is not opened"),
-    "nested_bomb.zip": (
-        packed(("inner.zip", packed(("inner.zip", BOMB)))),
-        "a zip within a zip is not opened",
-    ),
+    "nested.zip": (packed(("inner.zip", HONEST_ZIP)), IN_A_ZIP),
+    "nested_bomb.zip": (packed(("inner.zip", packed(("inner.zip", BOMB)))), IN_A_ZIP),
     "corrupt.zip": (HONEST_ZIP[:-60], "it is no zip"),
-    "not_really.zip": (b"%PDF-1.7", "it is no zip"),
     f"{LESSON}.docx": (b"PK\3\4", "it is no notebook"),
-    "report.pdf": (b"%PDF-1.7", "it is no notebook"),
 }
 
 # Names of students in a learning platform's zip: all must get a row, a page and their points, and none another's.
 NAMES = (
-    "Ada",
-    "ada",
-    "ADA",
-    "Ada Lovelace",
-    "Müller, Jürgen",
-    "Mu\u0308ller",
-    "李小龙",
-    "<script>nao_attack</script>",
-    "ada\x1b[2Jnao_attack",
-    "ada\nnao_attack",
-    "\u202eada",
-    "=HYPERLINK(1)",
-    "con",
-    "nul.txt",
-    "a" * 300,
-    "a" * 299 + "b",
-    "[bold]ada[/bold]",
-    "[/]",
-    "ada'; DROP TABLE results; --",
-    "100%",
-    "🤖",
+    *("Ada", "ada", "ADA", "Ada Lovelace", "Müller, Jürgen", "Mu\u0308ller", "李小龙", "🤖", "\u202eada"),
+    *(
+        "<script>nao_attack</script>",
+        "ada\x1b[2Jnao_attack",
+        "ada\nnao_attack",
+        "[bold]ada[/bold]",
+        "[/]",
+        "100%",
+    ),
+    *("=HYPERLINK(1)", "con", "nul.txt", "a" * 300, "a" * 299 + "b", "ada'; DROP TABLE results; --"),
 )
 
+# --- notebooks that are odd in one place ---
+
+
+def into(index: int, **changes: Any) -> Edit:
+    """Change a code cell; 1 is that of `clamp`, and 2 its check."""
+    return lambda made: made["cells"][index].update(changes)
+
+
+def without(index: int, key: str) -> Edit:
+    return lambda made: made["cells"][index].pop(key)
+
+
+def adding(*cells: Any) -> Edit:
+    return lambda made: made["cells"].extend(cells)
+
+
+def of_notebook(**changes: Any) -> Edit:
+    return lambda made: made.update(changes)
+
+
+def outputs(*values: Any, count: int = 1) -> Edit:
+    return into(2, outputs=[*values] * count)
+
+
+def raw(content: Callable[[], str]) -> Callable[[str], str]:
+    """Replace the first outputs with JSON text."""
+    return lambda text: text.replace('"outputs": []', f'"outputs": [{content()}]', 1)
+
+
+def markdown(source: str, **more: Any) -> dict[str, Any]:
+    return {"cell_type": "markdown", "metadata": {}, "source": source} | more
+
+
+def as_lists(made: dict[str, Any]) -> None:
+    """Sources as Jupyter itself writes them."""
+    for each in made["cells"]:
+        each["source"] = each["source"].splitlines(keepends=True)
+
+
+def padded(made: dict[str, Any]) -> None:
+    """Add three megabytes of output to the first check."""
+    made["cells"][2]["outputs"] = [PRINTED | {"text": MUCH}]
+
+
+def deep(depth: int) -> Any:
+    value: Any = []
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+def of_another(made: dict[str, Any]) -> None:
+    """Every cell says that it is another exercise's."""
+    names = [*RIGHT, "clamp"]
+    for each in made["cells"]:
+        grading = each["metadata"].get("nbgrader")
+        if grading and grading["grade_id"] in RIGHT:
+            grading["grade_id"] = names[names.index(grading["grade_id"]) + 1]
+
+
+def renamed(made: dict[str, Any]) -> None:
+    for at, each in enumerate(made["cells"]):
+        if "nbgrader" in each["metadata"]:
+            each["metadata"]["nbgrader"].update(grade_id=f"x{at}")
+
+
+def split(made: dict[str, Any]) -> None:
+    """Leave an import in the exercise's cell; the function follows in a cell of its own."""
+    made["cells"][1]["source"] = "import math"
+    made["cells"].insert(2, cell(CLAMP))
+
+
+def merged(made: dict[str, Any]) -> None:
+    """Put two exercises into one cell."""
+    made["cells"][1]["source"] += "\n\n\n" + SCALED
+    del made["cells"][3]
+
+
+def saved_by(metadata: dict[str, Any], **of_cells: Any) -> Edit:
+    """Add the metadata that another program writes."""
+
+    def edit(made: dict[str, Any]) -> None:
+        made["metadata"] |= metadata
+        for each in made["cells"]:
+            each["metadata"] |= of_cells
+
+    return edit
+
+
+def of_each(**changes: Any) -> Edit:
+    return lambda made: [each.update(changes) for each in made["cells"]]
+
+
+MUCH = "x" * (3 * 2**20)
+PRINTED = {"output_type": "stream", "name": "stdout", "text": "x"}
+WRITTEN = {"nbgrader": {"grade_id": "why", "grade": True, "solution": True, "points": 2}}
+COMMANDS = (
+    "%cd /\n!rm -rf *\n%run /etc/passwd\n%load_ext nao_attack\nget_ipython().system('id')\n%reset -f\nx = 1"
+)
+INTERRUPTED = {"output_type": "error", "ename": "KeyboardInterrupt", "evalue": "", "traceback": []}
+HALF = {"lesson": "\ud800", "version": "\udfff"}
+ODD_FILES = (
+    readable("utf_8_bom", TEXT.encode("utf-8-sig")),
+    readable("utf_32", TEXT.encode("utf-32")),
+    readable("utf_16", TEXT.encode("utf-16")),
+    readable("latin_1", TEXT.replace("return", "# é\\n    return").encode("latin-1")),
+    readable("windows_lines", TEXT.replace("\n", "\r\n")),
+    readable("keys_twice", TEXT.replace('"cells"', '"cells": [], "cells"', 1)),
+    readable("constants_nan", TEXT.replace('"metadata": {', '"metadata": {"nan": NaN, "inf": -Infinity,')),
+    readable("number_of_5000_digits", TEXT.replace('"nbformat_minor": 5', '"nbformat_minor": ' + "9" * 5000)),
+    *(readable(f"metadata_{depth}_deep_in_a_cell", json.dumps(HONEST).replace(
+        '"grade_id": "clamp"', '"grade_id": "clamp", "x": ' + "[" * depth + "]" * depth, 1), "large")
+      for depth in (900, 930)),
+    Attack("key_source_twice", "broken", all_but("clamp"), files={FILE: json.dumps(HONEST).replace(
+        json.dumps(CLAMP), json.dumps(CLAMP) + ', "source": ' + json.dumps(BLANK["clamp"]))}),
+)  # fmt: skip
+ODD_NOTEBOOKS = (
+    edited("no_format", lambda made: made.pop("nbformat")),
+    edited("no_metadata", lambda made: made.pop("metadata")),
+    edited("lists_of_lines", as_lists),
+    edited("metadata_a_list", of_notebook(metadata=[])),
+    edited("metadata_of_odd_types", of_notebook(metadata={"kernelspec": 7, "nao_course": "x", "language_info": []})),
+    edited("metadata_800_deep", of_notebook(metadata=deep(800))),
+    edited("cell_metadata_null", into(1, metadata=None)),
+    edited("cell_metadata_of_odd_types", into(1, metadata={"nbgrader": [1], "nao_course": 5})),
+    edited("cell_without_source", without(1, "source"), "clamp"),
+    edited("cell_source_numbers", into(1, source=[1, None, {}]), "clamp"),
+    edited("cell_without_type", without(1, "cell_type"), "clamp"),
+    edited("cells_that_are_none", adding(None, 7, "text", [], {})),
+    edited("cell_of_single_characters", into(1, source=list(CLAMP))),
+    edited("cells_that_say_they_are_another_exercise", of_another),
+    edited("half_a_character", into(1, source=CLAMP + "  # \ud800"), "clamp"),
+    edited("half_a_character_in_words", adding(markdown("Because \ud83e.", metadata=WRITTEN))),
+    edited("half_a_character_in_stamp", of_notebook(metadata={"nao_course": HALF})),
+    edited("half_a_character_in_keys", of_notebook(**{"\ud800": {"\udfff": "\ud83d"}})),
+    edited("null_character", into(1, source=CLAMP + "\0"), "clamp"),
+    edited("form_feed_and_nel", into(1, source="\f\n# \x85 \u2028\n" + CLAMP)),
+    edited("conflict_in_cell", into(1, source=CONFLICT.format(CLAMP, BLANK["clamp"])), "clamp", says="SyntaxError"),
+    edited("cell_that_is_indented", into(1, source=textwrap.indent(CLAMP, "    "))),
+    edited("cell_copied_with_its_prompts", into(1, source=">>> " + CLAMP.replace("\n", "\n... "))),
+    edited("source_of_another_encoding", into(1, source="# -*- coding: rot13 -*-\n" + CLAMP)),
+    edited("attachments_of_odd_types", adding(
+        markdown("x", attachments={"a": 5, "b": {"image/png": 7}, "c": [], "d": deep(50)}))),
+    edited("outputs_that_are_pages", outputs(
+        {"output_type": "display_data", "data": {"text/html": "<script id=nao_attack>"}, "metadata": {}},
+        {"output_type": "no such", "data": 5}, None)),
+    edited("interrupted_output", into(1, outputs=[INTERRUPTED], execution_count=7)),
+    edited("wrong_kernel_python_cells", of_notebook(metadata={"kernelspec": {"name": "ir", "language": "R"}})),
+    edited("commands_of_every_kind", adding(cell(COMMANDS), *(
+        cell(f"%%{name} file.txt\nx = 1") for name in ("writefile", "javascript", "bash", "html", "python2")))),
+    edited("outputs_of_45_mb", outputs(PRINTED | {"text": "x" * 45 * 2**20}), row="large"),
+    edited("line_of_10_mb", adding(cell("x = '" + "y" * 10 * 2**20 + "'")), row="large"),
+    edited("blanks_of_1_mb", into(1, source=CLAMP + "\n%time 1\n" + " " * 2**20 + "#"), row="large"),
+    edited("blank_lines_of_1_mb", into(1, source="%time 1\n" + "\n" * 2**20 + CLAMP), row="large"),
+    edited("empty_cells_100_000", adding(*[cell("")] * 100_000), row="large"),
+    edited("written_cells_10_000", adding(*[markdown("x" * 100, metadata=WRITTEN)] * 10_000), row="large"),
+    edited("expression_too_deep", into(1, source=f"x = {'(' * 5000}{')' * 5000}\n" + CLAMP), "clamp", row="large"),
+)  # fmt: skip
+
+# --- notebooks of more than 2 MB, which a confined process reads first ---
+
+FALSE_CELL = cell("def clamp(x, low, high):\n    return -1e6", "clamp")
+PICTURE = {"output_type": "display_data", "data": {"image/png": "iVBORw0KGgo" * 10**6}, "metadata": {}}
+# What costs a small notebook nothing, or costs it one exercise, does the same to a large one.
+ALSO_LARGE = {
+    *("no_metadata", "lists_of_lines", "metadata_a_list", "metadata_800_deep", "cell_metadata_of_odd_types"),
+    *("cell_source_numbers", "cell_without_type", "cells_that_are_none", "half_a_character_in_words"),
+    *("half_a_character_in_keys", "null_character", "attachments_of_odd_types", "empty_cells_100_000"),
+}
+REFUSED: dict[str, Callable[[str], str | bytes] | tuple[Callable[[str], str | bytes], str]] = {
+    "truncated": lambda text: text[:-200],
+    "truncated_in_an_output": lambda text: text[: 2 * 2**20 + 100_000],
+    "two_documents": lambda text: text + text,
+    "zeros_at_the_end": lambda text: text + "\0" * 10**6,
+    "zeros_only": lambda _: bytes(3 * 2**20),
+    "comments": lambda text: "// notes\n" + text,
+    "line_ends_in_texts": raw(lambda: '"a\nb"'),
+    "gzip": lambda text: gzip.compress(text.encode(), 0),
+    "page_of_the_web": lambda _: "<!doctype html><title>nao_attack</title>" + MUCH,
+    "list": lambda text: f"[{text}]",
+    "nested_without_an_end": raw(lambda: "[" * 4_000_000),
+    "nested_four_million_deep": raw(lambda: "[" * 2_000_000 + "]" * 2_000_000),
+    "text_without_an_end": raw(lambda: '"' + "y" * 10**6),
+    "format_3": lambda text: text.replace('"nbformat": 4', '"nbformat": 3'),
+    "format_of_many_digits": lambda text: text.replace('"nbformat": 4', '"nbformat": 4' + "0" * 10**6),
+    "format_infinite": lambda text: text.replace('"nbformat": 4', '"nbformat": Infinity'),
+    "language_tricks": (lambda _: TRICKY.replace('"metadata"', f'"x": "{MUCH}", "metadata"', 1), "in Python, got"),
+    "metadata_that_count_as_code": (lambda text: text.replace(
+        '"version": "1"', f'"version": "{"1" * 13 * 2**20}"', 1), "its code and texts may have at most 12 MB"),
+    "code_of_13_mb": (lambda text: text.replace(
+        json.dumps(CLAMP), json.dumps(CLAMP + "\n#" + "x" * 13 * 2**20)), "may have at most 12 MB"),
+    "blank": (lambda _: " \n" * 2_000_000, "it is empty"),
+}  # fmt: skip
+LARGE = (
+    *(large(each.name, each.edit, honest=each.honest)
+      for each in ODD_NOTEBOOKS if each.edit and each.name in ALSO_LARGE),
+    *(large(name, text=each[0], honest={}, says=each[1]) if isinstance(each, tuple)
+      else large(name, text=each, honest={}, says=FORMAT) for name, each in REFUSED.items()),
+    large("utf_8_bom", text=lambda text: text.encode("utf-8-sig")),
+    large("old_mac_lines", text=lambda text: json.dumps(json.loads(text), indent=1).replace("\n", "\r")),
+    large("constants", text=raw(lambda: "NaN, Infinity, -Infinity, -0, 1e999, 1E-999, -0.0")),
+    large("outputs_twice", text=lambda text: text.replace('"outputs": []', '"outputs": [], "outputs": [1]')),
+    large("outputs_by_escapes", text=lambda text: text.replace('"outputs"', '"outp\\u0075ts"')),
+    large("source_by_escapes", text=lambda text: text.replace('"source"', '"\\u0073ource"')),
+    large("number_of_a_million_digits", text=raw(lambda: "9" * 10**6)),
+    large("outputs_40_mb_of_empty_lists", text=raw(lambda: ",".join(["[]"] * 13_000_000))),
+    large("outputs_of_a_million_keys", outputs({f"k{n}": n for n in range(10**6)})),
+    large("outputs_of_half_characters", text=raw(lambda: '"' + "\\ud83d" * 10**6 + '"')),
+    large("outputs_500_deep", outputs(deep(500))),
+    large("outputs_that_look_like_cells", outputs(FALSE_CELL, {"cells": [FALSE_CELL]})),
+    large("outputs_that_are_none", into(2, outputs=None)),
+    large("outputs_that_are_a_dict", into(2, outputs={"cells": [FALSE_CELL], "source": "x"})),
+    large("outputs_of_pictures_of_33_mb", outputs(PICTURE, count=3)),
+    large("metadata_of_a_cell_of_10_mb", into(1, metadata=HONEST["cells"][1]["metadata"] | {"x": "y" * 10**7})),
+    large("blanks_of_20_mb", text=lambda text: text.replace('"cells":', '"cells":' + " \n" * 10**7, 1)),
+    large("source_that_speaks_of_outputs", into(1, source=CLAMP + '\nx = \'"outputs": [], "source": ""\'')),
+    large("source_of_single_characters", into(1, source=list(CLAMP + "\n# " + "x" * 10**6))),
+    large("outputs_in_words", adding(markdown("x", outputs=[MUCH], execution_count=1))),
+    large("cell_of_a_cell", into(2, cells=[FALSE_CELL], outputs=[MUCH])),
+    large("last_source_counts", text=lambda text: text.replace(
+        json.dumps(CLAMP), json.dumps(CLAMP) + ', "source": ' + json.dumps(BLANK["clamp"])), honest=all_but("clamp")),
+    large("clamp_in_an_output_only", into(1, source="", outputs=[CLAMP]), honest=all_but("clamp")),
+    large("syntax_error", into(1, source="def clamp("), honest=all_but("clamp"), says="SyntaxError"),
+    named("large_and_an_older_blank_one", (f"{LESSON} (1).ipynb", BLANK_TEXT), (FILE, raw(lambda: f'"{MUCH}"')(TEXT))),
+    named("older_one_large_and_blank", (f"{LESSON} (1).ipynb", raw(lambda: f'"{MUCH}"')(BLANK_TEXT)), (FILE, TEXT)),
+)  # fmt: skip
 
 # --- exercises written in every way ---
 
-CLAMP, SCALED, DRAWN, MIDDLE = (RIGHT[name] for name in ("clamp", "scaled", "drawn", "middle"))
+LIMIT = "def limit(x, low, high):\n    return max(low, min(high, x))"
 STYLES = (
-    style("twice", "clamp", f"{BLANK['clamp']}\n\n{CLAMP}"),
+    style("twice", f"{BLANK['clamp']}\n\n{CLAMP}"),
     Attack("twice_in_two_cells", "styles", all_but(), functions={"clamp": BLANK["clamp"]}, after=CLAMP),
     Attack("twice_and_the_last_is_blank", "styles", all_but(), after=BLANK["clamp"]),
-    style(
-        "defaults",
-        "clamp",
-        """\
-def clamp(x, low=0.0, high=1.0, *, strict=True, **more):
-    return max(low, min(high, x))""",
-    ),
-    style("other_argument_names", "scaled", "def scaled(a, /):\n    return (a - a.min()) / np.ptp(a)"),
-    style(
-        "any_arguments",
-        "clamp",
-        """\
-def clamp(*args):
-    x, low, high = args
-    return sorted((low, x, high))[1]""",
-    ),
-    style("lambda", "clamp", "clamp = lambda x, low, high: max(low, min(high, x))"),
-    style("library_function", "clamp", "clamp = np.clip"),
-    style(
-        "callable_object",
-        "clamp",
-        """\
-class Clamp:
-    def __call__(self, x, low, high):
-        return max(low, min(high, x))
-clamp = Clamp()""",
-    ),
-    style(
-        "static_method",
-        "clamp",
-        """\
-class Tools:
-    @staticmethod
-    def clamp(x, low, high):
-        return max(low, min(high, x))
-clamp = Tools.clamp""",
-    ),
-    style(
-        "bound_method",
-        "clamp",
-        """\
-class Tools:
-    def clamp(self, x, low, high):
-        return max(low, min(high, x))
-clamp = Tools().clamp""",
-    ),
-    style(
-        "class_that_is_a_float",
-        "clamp",
-        """\
-class clamp(float):
-    def __new__(cls, x, low, high):
-        return float.__new__(float, max(low, min(high, x)))""",
-    ),
-    style(
-        "partial",
-        "clamp",
-        """\
-from functools import partial
-def limit(strict, x, low, high):
-    return max(low, min(high, x))
-clamp = partial(limit, True)""",
-    ),
-    style("cached", "clamp", f"from functools import lru_cache\n@lru_cache(maxsize=None)\n{CLAMP}"),
-    style(
-        "decorated",
-        "scaled",
-        f"""\
-def told(function):
-    def inner(*args):
-        print('called', args)
-        return function(*args)
-    return inner
-
-@told
-{SCALED}""",
-    ),
-    style(
-        "wrapped_decorator",
-        "scaled",
-        f"""\
-import functools, time
-def timed(function):
-    @functools.wraps(function)
-    def inner(*args, **more):
-        start = time.perf_counter()
-        try:
-            return function(*args, **more)
-        finally:
-            print(time.perf_counter() - start)
-    return inner
-
-@timed
-{SCALED}""",
-    ),
-    style("vectorized", "clamp", f"@np.vectorize\n{CLAMP}"),
-    style(
-        "generator",
-        "scaled",
-        """\
-def rows(values):
-    for row in values:
-        yield (row - values.min()) / np.ptp(values)
-
-def scaled(values):
-    return np.array(list(rows(values)))""",
-    ),
-    style(
-        "nested_functions",
-        "scaled",
-        """\
-def scaled(values):
-    low = values.min()
-    def shift(x):
-        def scale(y):
-            return y / np.ptp(values)
-        return scale(x - low)
-    return shift(values)""",
-    ),
-    style(
-        "loops",
-        "scaled",
-        """\
-def scaled(values):
-    low = high = values[0][0]
-    for row in values:
-        for v in row:
-            low, high = min(low, v), max(high, v)
-    out = np.zeros_like(values)
-    for i in range(len(values)):
-        for j in range(len(values[i])):
-            out[i, j] = (values[i, j] - low) / (high - low)
-    return out""",
-    ),
-    style(
-        "recursion",
-        "middle",
-        """\
-def middle(values):
-    def ordered(v):
-        if len(v) < 2:
-            return v
-        return ordered([x for x in v[1:] if x < v[0]]) + [v[0]] + ordered([x for x in v[1:] if x >= v[0]])
-    v = ordered(list(scaled(values).ravel()))
-    return (v[(len(v) - 1) // 2] + v[len(v) // 2]) / 2""",
-    ),
-    style(
-        "recursion_800_deep",
-        "clamp",
-        """\
-def deep(n):
-    return 0 if n == 0 else 1 + deep(n - 1)
-
-def clamp(x, low, high):
-    deep(800)
-    return max(low, min(high, x))""",
-    ),
-    style(
-        "annotations",
-        "scaled",
-        """\
-from __future__ import annotations
-import numpy.typing as npt
-from typing import TypeAlias
-Vector: TypeAlias = 'npt.NDArray[np.float64]'
-
-def scaled(values: Vector | Unknown) -> Vector:
-    return (values - values.min()) / np.ptp(values)""",
-    ),
-    style(
-        "dataclass",
-        "scaled",
-        """\
-from dataclasses import dataclass
-
-@dataclass(frozen=True)
-class Range:
-    low: float
-    size: float
-
-def scaled(values):
-    r = Range(values.min(), np.ptp(values))
-    return (values - r.low) / r.size""",
-    ),
-    style(
-        "named_tuple_and_enum",
-        "clamp",
-        """\
-from enum import Enum
-from typing import NamedTuple
-class Side(Enum):
-    LOW = 1
-    HIGH = 2
-class Limits(NamedTuple):
-    low: float
-    high: float
-
-def clamp(x, low, high):
-    limits = Limits(low, high)
-    side = Side.LOW if x < limits.low else Side.HIGH if x > limits.high else None
-    return {Side.LOW: low, Side.HIGH: high, None: x}[side]""",
-    ),
-    style(
-        "walrus_and_match",
-        "clamp",
-        """\
-def clamp(x, low, high):
-    match (x < low, x > high):
-        case (True, _):
-            return low
-        case (_, True):
-            return high
-    if (y := x) is not None:
-        return y""",
-    ),
-    style(
-        "constants",
-        "scaled",
-        """\
-EPS = 0.0
-A, (B, *C) = 1, (2, 3)
-N: int = 4
-N += 1
-
-def scaled(values):
-    return (values - values.min()) / (np.ptp(values) + EPS) * (N - 4)""",
-    ),
+    style("defined_and_deleted_and_defined", f"{BLANK['clamp']}\n\ndel clamp\n\n{CLAMP}"),
+    style("lambda", "clamp = lambda x, low, high: max(low, min(high, x))"),
+    style("library_function", "clamp = np.clip"),
+    style("callable_object", "class Clamp:\n    def __call__(self, x, low, high):\n"
+          "        return max(low, min(high, x))\nclamp = Clamp()"),
+    style("method_of_a_class", "class Limits:\n    @classmethod\n    def clamp(cls, x, low, high):\n"
+          "        return max(low, min(high, x))\n\nclamp = Limits.clamp"),
+    style("class_that_makes_a_number", "class clamp:\n    def __new__(cls, x, low, high):\n"
+          "        return max(low, min(high, x))"),
+    style("partial", "from functools import partial\ndef limit(strict, x, low, high):\n"
+          "    return max(low, min(high, x))\nclamp = partial(limit, True)"),
+    style("decorated", "import functools\ndef told(function):\n    @functools.wraps(function)\n    def inner(*args):\n"
+          f"        print(args)\n        return function(*args)\n    return inner\n\n@told\n{SCALED}", "scaled"),
+    style("made_by_exec", f"exec({CLAMP!r})"),
+    style("put_among_the_globals", "globals()['clamp'] = lambda x, low, high: max(low, min(high, x))"),
+    style("recursion_800_deep", "def deep(n):\n    return 0 if n == 0 else 1 + deep(n - 1)\n\n"
+          "def clamp(x, low, high):\n    deep(800)\n    return max(low, min(high, x))"),
+    style("annotations", "from __future__ import annotations\nimport numpy.typing as npt\n"
+          "Vector: TypeAlias = 'npt.NDArray[np.float64]'\n\n"
+          + SCALED.replace("values)", "values: Vector | Unknown) -> Vector", 1), "scaled"),
+    style("type_parameters", "def clamp[T: float](x: T, low: T, high: T) -> T:\n    return max(low, min(high, x))",
+          honest=all_but(*(["clamp"] if sys.version_info < (3, 12) else []))),
+    style("constants", "EPS = 0.0\nA, (B, *C) = 1, (2, 3)\nN: int = 4\nN += 1\n\ndef scaled(values):\n"
+          "    return (values - values.min()) / (np.ptp(values) + EPS) * (N - 4)", "scaled"),
+    style("table_filled_by_append", "TABLE = []\nTABLE.append(1.0)\nNAMES = {}\nNAMES.update(one=TABLE[0])\n"
+          "def clamp(x, low, high):\n    return max(low, min(high, x)) * NAMES['one']"),
     # After these imports, `max` is NumPy's, which does not compare two numbers.
-    style(
-        "star_imports",
-        "scaled",
-        """\
-from math import *
-from numpy import *
-
-def scaled(values):
-    return (values - amin(values)) / ptp(values)""",
-        honest=all_but("clamp"),
-        says="TypeError",
-    ),
-    style("star_import_of_math", "scaled", f"from math import *\n\n{SCALED}"),
-    style(
-        "try_import",
-        "clamp",
-        f"""\
-try:
-    import no_such_module
-except ImportError:
-    no_such_module = None
-
-{CLAMP}""",
-    ),
-    style(
-        "defined_if",
-        "clamp",
-        """\
-if True:
-    def clamp(x, low, high):
-        return max(low, min(high, x))
-else:
-    clamp = None""",
-    ),
-    style(
-        "inner_import",
-        "scaled",
-        """\
-def scaled(values):
-    import numpy
-    from scipy import stats
-    return (values - numpy.min(values)) / numpy.ptp(values)""",
-    ),
-    style(
-        "global_counter",
-        "clamp",
-        """\
-calls = 0
-def clamp(x, low, high):
-    global calls
-    calls += 1
-    return max(low, min(high, x))""",
-    ),
-    style(
-        "mutable_default",
-        "clamp",
-        """\
-def clamp(x, low, high, seen=[]):
-    seen.append(x)
-    return max(low, min(high, seen[-1]))""",
-    ),
-    style(
-        "umlauts",
-        "clamp",
-        '''\
-def clamp(größe, unten, oben):
-    """Begrenzt – „so“ 🤖."""
-    return max(unten, min(oben, größe))''',
-    ),
-    style("tabs", "clamp", "def clamp(x, low, high):\n\treturn max(low, min(high, x))"),
-    style(
-        "main_guard",
-        "clamp",
-        f"""\
-{CLAMP}
-
-if __name__ == '__main__':
-    print(clamp(1, 2, 3))
-    raise SystemExit""",
-    ),
-    Attack(
-        "helper_in_a_later_cell",
-        "styles",
-        all_but(),
-        {
-            "clamp": """\
-def clamp(x, low, high):
-    return limit(x, low, high)"""
-        },
-        after="""\
-def limit(x, low, high):
-    return max(low, min(high, x))""",
-    ),
-    Attack(
-        "helper_file",
-        "styles",
-        all_but(),
-        {
-            "clamp": """\
-def clamp(x, low, high):
-    return mine.limit(x, low, high)"""
-        },
-        before="import mine",
-        files={
-            "mine.py": """\
-def limit(x, low, high):
-    return max(low, min(high, x))
-"""
-        },
-    ),
-    Attack(
-        "helper_file_that_imports_another",
-        "styles",
-        all_but(),
-        {"clamp": "from first import clamp"},
-        files={
-            "first.py": """\
-from second import *
-import numpy as np
-""",
-            "second.py": CLAMP,
-        },
-    ),
-    Attack(
-        "helper_file_that_is_missing",
-        "styles",
-        all_but("clamp"),
-        {
-            "clamp": """\
-def clamp(x, low, high):
-    return mine.limit(x, low, high)"""
-        },
-        before="import mine",
-        says="No module named 'mine'",
-    ),
-    Attack(
-        "helper_file_named_as_the_library",
-        "styles",
-        all_but(),
-        files={"numpy.py": "raise ValueError('nao_attack')", "random.py": "x = 1"},
-    ),
-    Attack(
-        "helper_file_with_an_error",
-        "styles",
-        all_but(),
-        before="import mine",
-        files={"mine.py": "def f(:"},
-        says="SyntaxError",
-    ),
-    Attack(
-        "all_in_one_cell", "styles", all_but(), dict.fromkeys(RIGHT, ""), after="\n\n".join(RIGHT.values())
-    ),
-    Attack(
-        "all_in_one_cell_at_the_top",
-        "styles",
-        all_but(),
-        dict.fromkeys(RIGHT, ""),
-        before="\n\n".join(RIGHT.values()),
-    ),
-    edited(
-        "exercise_cells_renamed",
-        lambda made: [
-            each["metadata"]["nbgrader"].update(grade_id=f"x{at}")
-            for at, each in enumerate(made["cells"])
-            if "nbgrader" in each["metadata"]
-        ],
-        row="styles",
-    ),
-    edited(
-        "check_cells_deleted",
-        lambda made: made.update(
-            cells=[each for each in made["cells"] if not each["source"].startswith("check")]
-        ),
-        row="styles",
-    ),
-    edited("cells_reversed", lambda made: made["cells"].reverse(), row="styles"),
+    style("star_imports", "from math import *\nfrom numpy import *\n\ndef scaled(values):\n"
+          "    return (values - amin(values)) / ptp(values)", "scaled", honest=all_but("clamp"), says="TypeError"),
+    style("try_import", f"try:\n    import no_such_module\nexcept ImportError:\n    no_such_module = None\n\n{CLAMP}"),
+    style("defined_if", f"if True:\n{textwrap.indent(CLAMP, '    ')}\nelse:\n    clamp = None"),
+    style("tabs", CLAMP.replace("    ", "\t")),
+    style("old_mac_line_ends", CLAMP.replace("\n", "\r")),
+    style("windows_line_ends_in_a_cell", CLAMP.replace("\n", "\r\n")),
+    style("no_break_spaces", CLAMP.replace("    ", "\u00a0" * 4), honest=all_but("clamp")),
+    style("mark_of_bytes_in_a_cell", "\ufeff" + CLAMP, honest=all_but("clamp")),
+    style("main_guard", f"{CLAMP}\n\nif __name__ == '__main__':\n    print(clamp(1, 2, 3))\n    raise SystemExit"),
+    Attack("helper_in_a_later_cell", "styles", all_but(),
+           {"clamp": "def clamp(x, low, high):\n    return limit(x, low, high)"}, after=LIMIT),
+    Attack("helper_file_that_imports_another", "styles", all_but(), {"clamp": "from first import clamp"},
+           files={"first.py": "from second import *\nimport numpy as np\n", "second.py": CLAMP}),
+    Attack("helper_file_that_is_missing", "styles", all_but("clamp"),
+           {"clamp": "def clamp(x, low, high):\n    return mine.limit(x, low, high)"}, before="import mine",
+           says="No module named 'mine'"),
+    Attack("helper_file_with_an_error", "styles", all_but(), before="import mine", files={"mine.py": "def f(:"},
+           says="SyntaxError"),
+    Attack("all_in_one_cell_before", "styles", all_but(), dict.fromkeys(RIGHT, ""), before="\n\n".join(RIGHT.values())),
+    Attack("all_in_one_cell_after", "styles", all_but(), dict.fromkeys(RIGHT, ""), after="\n\n".join(RIGHT.values())),
+    edited("exercise_cells_renamed", renamed, row="styles"),
+    edited("check_cells_deleted", lambda made: made.update(
+        cells=[each for each in made["cells"] if not each["source"].startswith("check")]), row="styles"),
+    edited("check_cells_with_other_code", into(2, source="check('clamp', print)\nclamp = None"), row="styles"),
     edited("setup_cell_deleted", lambda made: made["cells"].pop(0), row="styles"),
-    edited(
-        "all_metadata_lost", lambda made: [each.update(metadata={}) for each in made["cells"]], row="styles"
-    ),
-    edited(
-        "copy_of_another_release",
-        of_notebook(metadata={"nao_course": {"lesson": LESSON, "version": "0.9"}}),
-        row="styles",
-        says="made from release '0.9'",
-    ),
-    style(
-        "syntax_error",
-        "clamp",
-        """\
-def clamp(x, low, high)
-    return x""",
-        honest=all_but("clamp"),
-        says="SyntaxError",
-    ),
-    style(
-        "indentation_error",
-        "scaled",
-        """\
-def scaled(values):
-return values""",
-        honest=all_but("scaled", middle=4.0),
-        says="IndentationError",
-    ),
-    style(
-        "wrong_name",
-        "clamp",
-        """\
-def Clamp(x, low, high):
-    return max(low, min(high, x))""",
-        honest=all_but("clamp"),
-    ),
-    style("deleted", "clamp", "", honest=all_but("clamp")),
-    style(
-        "too_few_arguments", "clamp", "def clamp(x):\n    return x", honest=all_but("clamp"), says="TypeError"
-    ),
-    style("coroutine", "clamp", f"async {CLAMP}", honest=all_but("clamp")),
-    style(
-        "generator_answer",
-        "scaled",
-        """\
-def scaled(values):
-    yield from (values - values.min()) / np.ptp(values)""",
-        honest=all_but("scaled", middle=4.0),
-    ),
-    style(
-        "forgotten_return",
-        "clamp",
-        """\
-def clamp(x, low, high):
-    y = max(low, min(high, x))
-    print(y)""",
-        honest=all_but("clamp"),
-        says="return",
-    ),
-    style(
-        "variable_of_a_display_cell",
-        "clamp",
-        """\
-def clamp(x, low, high):
-    return max(low, min(high, x)) * FACTOR""",
-        honest=all_but("clamp"),
-        edit=adding(cell("FACTOR = 1", role="display")),
-        says="name 'FACTOR' is not defined",
-    ),
-)
+    edited("all_metadata_lost", of_each(metadata={}), row="styles"),
+    edited("ids_that_are_one", of_each(id="same"), row="styles"),
+    edited("cell_split", split, row="styles"),
+    edited("cells_merged", merged, row="styles"),
+    edited("notebook_twice_in_itself", lambda made: made["cells"].extend(copy.copy(made["cells"])), row="styles"),
+    edited("cells_of_another_lesson", adding(cell("def rgb_to_hsl(x):\n    return x", "rgb_to_hsl")), row="styles"),
+    edited("exercise_as_words", into(1, cell_type="markdown"), "clamp", row="styles"),
+    edited("words_with_a_function", adding(markdown(f"```python\n{BLANK['clamp']}\n```")), row="styles"),
+    edited("copy_of_another_release", of_notebook(metadata={"nao_course": {"lesson": LESSON, "version": "0.9"}}),
+           row="styles", says="made from release '0.9'"),
+    edited("saved_by_colab", saved_by({"colab": {"provenance": []}, "accelerator": "TPU"}, id="aBcD", outputId="x",
+           colab={"base_uri": "https://localhost:8080/", "height": 35}, cellView="form"), row="styles"),
+    edited("saved_by_jupyterlab", saved_by({"toc-showtags": True, "widgets": {}}, tags=["hide-input"], trusted=True,
+           collapsed=True, jupyter={"source_hidden": True, "outputs_hidden": True}, scrolled="auto"), row="styles"),
+    style("syntax_error", "def clamp(x, low, high)\n    return x", honest=all_but("clamp"), says="SyntaxError"),
+    style("indentation_error", "def scaled(values):\nreturn values", "scaled", honest=all_but("scaled", middle=4.0),
+          says="IndentationError"),
+    style("wrong_name", CLAMP.replace("clamp", "Clamp"), honest=all_but("clamp")),
+    style("deleted", "", honest=all_but("clamp")),
+    style("too_few_arguments", "def clamp(x):\n    return x", honest=all_but("clamp"), says="TypeError"),
+    style("coroutine", f"async {CLAMP}", honest=all_but("clamp")),
+    style("generator_answer", "def scaled(values):\n    yield from (values - values.min()) / np.ptp(values)", "scaled",
+          honest=all_but("scaled", middle=4.0)),
+    style("forgotten_return", "def clamp(x, low, high):\n    y = max(low, min(high, x))\n    print(y)",
+          honest=all_but("clamp"), says="return"),
+    style("variable_of_a_display_cell", CLAMP + " * FACTOR", honest=all_but("clamp"),
+          edit=adding(cell("FACTOR = 1", role="display")), says="name 'FACTOR' is not defined"),
+)  # fmt: skip
 if importlib.util.find_spec("numba"):
-    STYLES += (style("numba", "scaled", f"from numba import njit\n\n@njit\n{SCALED}"),)
-
+    STYLES += (style("numba", f"from numba import njit\n\n@njit\n{SCALED}", "scaled"),)
 
 # --- honest work that prints, warns, is slow, or answers in another type ---
 
-
-def answer(name: str, source: str, lines: str = "", lost: str = "") -> Attack:
-    """`scaled` with an answer of another type: `made` is the right one; `middle` works on with it."""
-    made = "def scaled(values):\n    made = (values - values.min()) / np.ptp(values)\n"
-    return style(name, "scaled", f"{lines}\n{made}    return {source}", row="honest", honest=all_but(lost))
-
-
-def beside(name: str, lines: str, before: str = "", **more: Any) -> Attack:
-    """`clamp` that does something else as well."""
-    body = "\n".join(f"    {line}" for line in lines.split("\n"))
-    source = f"def clamp(x, low, high):\n{body}\n    return max(low, min(high, x))"
-    return style(name, "clamp", source, row="honest", before=before, **more)
-
-
-def top(name: str, source: str, honest: Mapping[str, float] | None = None, **more: Any) -> Attack:
-    """A cell of the student's own."""
-    return Attack(name, "honest", all_but() if honest is None else honest, before=source, **more)
-
-
+NUMBERS = {
+    "zero_dimensional": "np.array(y)",
+    "numpy_number": "np.float64(y)",
+    "float32_number": "np.float32(y)",
+    "whole_numbers_of_python": "int(y) if y == int(y) else y",
+}
+ARRAYS = {
+    "float32": "made.astype(np.float32)",
+    "longdouble": "made.astype(np.longdouble)",
+    "lists": "made.tolist()",
+    "list_of_arrays": "list(made)",
+    "numpy_numbers_in_lists": "[[np.float64(x) for x in row] for row in made]",
+    "turned_and_big_endian": "np.asfortranarray(made[::-1]).astype('>f8')[::-1]",
+    "read_only": "(made.setflags(write=False), made)[1]",
+    "memory_map": "(m := np.memmap('scratch.bin', float, 'w+', shape=made.shape), m.__setitem__(..., made))[0]",
+    "masked_array": "np.ma.masked_array(made)",
+    "record_array_view": "made.view(np.recarray)",
+    "subclass": "made.view(type('Mine', (np.ndarray,), {}))",
+}
+BESIDE = {
+    "warns": """
+        np.log(np.array([0.0, -1.0]))
+        import warnings
+        warnings.warn('old', DeprecationWarning)""",
+    "prints_50_mb": "for _ in range(50): print('y' * 2**20, end='\\r')",
+    "prints_odd_characters": "print('\\x1b[31m', '\\0', chr(0xd800), '<b>nao_attack</b>')",
+    "slow": "import time\ntime.sleep(0.4)",
+    "takes_500_mb": "np.ones(500 * 2**17)",
+    "warnings_and_errors_raised": "np.seterr(all='raise')\nimport warnings\nwarnings.simplefilter('error')",
+    "working_folder": "import os, tempfile\nos.chdir(tempfile.mkdtemp())",
+    "own_file": "with open('notes.txt', 'a') as file: file.write('x')\nopen('notes.txt').read()",
+    "threads": """
+        from concurrent.futures import ThreadPoolExecutor
+        with ThreadPoolExecutor(4) as pool: x = list(pool.map(lambda v: v, [x]))[0]""",
+    "counts_its_calls": "clamp.calls = getattr(clamp, 'calls', 0) + 1",
+    "displays": "from IPython.display import clear_output, display\nclear_output(wait=True)\ndisplay(x)",
+}
+TOP = {
+    "asks_at_the_top": "name = input('Your name?')",
+    "magics": "%matplotlib inline\n%timeit sum([1])\n!ls\n?help\nnp.sum?\nfiles = !ls\nx = %sql 1\n%%time\ny = 2",
+    "cell_magic": "%%bash\nfor i in 1 2; do echo $i; done",
+    "installs_a_library": "!pip install -q tqdm\n%pip install rich\nimport sys\n!{sys.executable} -m pip list",
+    "raises": "raise ValueError('stop here')",
+    "exits_in_if": "if 1:\n    import os\n    os._exit(0)",
+    "endless_while": "while True:\n    pass",
+    "shadows_builtins": "list = [1, 2]\nstr = 'x'\nint = 5\nlen = 3",
+    "shadows_numpy": "numpy = None\nnp_ = 5\nfrom types import SimpleNamespace\njson = struct = SimpleNamespace()",
+    "thousand_functions": "\n".join(f"def f{i}(): return {i}" for i in range(1000)),
+    "thousand_statements": "\n".join(f"x{i} = {i}" for i in range(3000)),
+}
+NO_PROGRAMS = {
+    "processes": """
+        import multiprocessing as mp
+        with mp.get_context('fork').Pool(2) as pool: x = pool.map(abs, [-abs(x)])[0] * (1 if x > 0 else -1)""",
+    "program": """
+        import subprocess, sys
+        done = subprocess.run([sys.executable, '-c', f'print({x!r})'], capture_output=True, text=True, check=True)
+        x = float(done.stdout)""",
+}
 HONEST_WORK = (
-    answer("float32", "made.astype(np.float32)"),
-    answer("longdouble", "made.astype(np.longdouble)"),
-    answer("big_endian", "made.astype('>f8')"),
-    answer("lists", "made.tolist()"),
-    answer("tuples", "tuple(map(tuple, made))"),
-    answer("list_of_arrays", "list(made)"),
-    answer("numpy_numbers_in_lists", "[[np.float64(x) for x in row] for row in made]"),
-    answer("read_only", "(made.setflags(write=False), made)[1]"),
-    answer("fortran_order", "np.asfortranarray(made)"),
-    answer("a_view", "np.repeat(np.repeat(made, 2, 0), 2, 1)[::2, ::2]"),
-    answer("negative_strides", "made[::-1, ::-1].copy()[::-1, ::-1]"),
-    answer(
-        "memory_map",
-        "mapped(made)",
-        """\
-def mapped(a):
-    b = np.memmap('scratch.bin', float, 'w+', shape=a.shape)
-    b[:] = a
-    return b""",
-    ),
-    answer("masked_array", "np.ma.masked_array(made)"),
-    # The median of a masked array is a different one, because it leaves out masked values.
+    *(answer(name, each) for name, each in ARRAYS.items()),
+    # The median of a masked array leaves out masked values, and the median of a matrix is a matrix.
     answer("masked_array_with_a_mask", "np.ma.masked_greater(made, 0.9)", lost="middle"),
-    answer("matrix", "np.asmatrix(made)", lost="middle"),  # whose median is a matrix
-    answer("record_array_view", "made.view(np.recarray)"),
-    answer("subclass", "made.view(Mine)", "class Mine(np.ndarray):\n    pass"),
-    answer("complex_without_imaginary_part", "made.astype(np.float16).astype(float) * 0 + made"),
-    style(
-        "zero_dimensional",
-        "clamp",
-        """\
-def clamp(x, low, high):
-    return np.array(max(low, min(high, x)))""",
-        row="honest",
-    ),
-    style(
-        "numpy_number",
-        "clamp",
-        """\
-def clamp(x, low, high):
-    return np.float64(max(low, min(high, x)))""",
-        row="honest",
-    ),
-    style(
-        "float32_number",
-        "clamp",
-        """\
-def clamp(x, low, high):
-    return np.float32(max(low, min(high, x)))""",
-        row="honest",
-    ),
-    style(
-        "whole_numbers_of_python",
-        "clamp",
-        """\
-def clamp(x, low, high):
-    y = max(low, min(high, x))
-    return int(y) if y == int(y) else y""",
-        row="honest",
-    ),
-    beside(
-        "warns",
-        """\
-np.log(np.array([0.0, -1.0]))
-np.array([1.0]) / 0
-import warnings
-warnings.warn('old', DeprecationWarning)
-warnings.warn('odd', RuntimeWarning)""",
-    ),
-    beside("invalid_escapes", "'\\d \\w'\nx is 5"),
-    beside("prints_a_lot", "for _ in range(20000): print('x' * 100)"),
-    beside(
-        "progress_bar",
-        """\
-import sys
-for i in range(500): print(f'\\r{i}%|' + chr(9608) * 20, end='', file=sys.stderr, flush=True)""",
-    ),
-    beside("prints_odd_characters", "print('\\x1b[31m', '\\0', chr(0xd800), '<b>nao_attack</b>')"),
-    beside(
-        "writes_to_the_buffer",
-        """\
-import sys
-sys.stdout.write('x')
-sys.stdout.buffer.write(b'x')
-sys.stdout.flush()
-sys.stdout.isatty()""",
-    ),
-    beside(
-        "redirects_output",
-        """\
-import contextlib, io
-with contextlib.redirect_stdout(io.StringIO()): print('x')""",
-    ),
-    beside(
-        "logs",
-        """\
-import logging
-logging.basicConfig(level=10)
-logging.warning('x')
-logging.getLogger('a').debug('y')""",
-    ),
-    beside("slow", "import time\ntime.sleep(0.4)"),
-    beside("busy", "sum(i * i for i in range(2_000_000))"),
-    beside("takes_500_mb", "np.ones(500 * 2**17)"),
-    beside("random_seed", "np.random.seed(0)\nimport random\nrandom.seed(0)\nnp.random.rand()"),
-    beside("errors_raised", "np.seterr(all='raise')"),
-    beside("errors_called", "np.seterr(all='call')\nnp.seterrcall(print)"),
-    beside("warnings_raised", "import warnings\nwarnings.simplefilter('error')"),
-    beside("warnings_reset", "import warnings\nwarnings.resetwarnings()"),
-    beside("print_options", "np.set_printoptions(precision=1, suppress=True)"),
-    beside("environment", "import os\nos.environ['OMP_NUM_THREADS'] = '64'\nos.environ.clear()"),
-    beside("working_folder", "import os, tempfile\nos.chdir(tempfile.mkdtemp())"),
-    beside("temporary_file", "import tempfile\nwith tempfile.TemporaryFile() as file: file.write(b'x')"),
-    beside("own_file", "with open('notes.txt', 'a') as file: file.write('x')\nopen('notes.txt').read()"),
-    beside(
-        "figures",
-        """\
-import matplotlib.pyplot as plt
-for _ in range(3): plt.figure()
-plt.plot([1, 2])
-plt.show()""",
-    ),
-    beside("recursion_limit", "import sys\nsys.setrecursionlimit(10**5)"),
-    beside(
-        "threads",
-        """\
-from concurrent.futures import ThreadPoolExecutor
-with ThreadPoolExecutor(4) as pool: x = list(pool.map(lambda v: v, [x]))[0]""",
-    ),
-    beside(
-        "asynchronous",
-        """\
-import asyncio
-async def same(v):
-    await asyncio.sleep(0)
-    return v
-x = asyncio.run(same(x))""",
-    ),
-    beside(
-        "processes",
-        """\
-import multiprocessing as mp
-with mp.get_context('fork').Pool(2) as pool: x = pool.map(abs, [-abs(x)])[0] * (1 if x > 0 else -1)""",
-        honest=all_but("clamp"),
-        says="FileNotFoundError",
-    ),
-    beside(
-        "program",
-        """\
-import subprocess, sys
-done = subprocess.run([sys.executable, '-c', f'print({x!r})'], capture_output=True, text=True, check=True)
-x = float(done.stdout)""",
-        honest=all_but("clamp"),
-        says="FileNotFoundError",
-    ),
-    beside("collects_garbage", "import gc\ngc.collect()\ngc.disable()"),
-    beside("alarm", "import signal\nsignal.signal(signal.SIGALRM, signal.SIG_DFL)\nsignal.alarm(0)"),
-    beside(
-        "open_cv_threads",
-        """\
-import cv2
-cv2.setNumThreads(8)
-cv2.GaussianBlur(np.zeros((99, 99)), (5, 5), 0)""",
-    ),
-    beside("displays", "from IPython.display import display\ndisplay(x)"),
-    style(
-        "changes_its_input",
-        "scaled",
-        """\
-def scaled(values):
-    values -= values.min()
-    values /= np.ptp(values)
-    return values""",
-        row="honest",
-        says="changes its input",
-    ),
-    style(
-        "ignores_rng",
-        "drawn",
-        """\
-def drawn(rng, n):
-    return np.random.normal(size=n).cumsum()""",
-        row="honest",
-        honest=all_but("drawn"),
-    ),
-    style(
-        "own_generator",
-        "drawn",
-        """\
-def drawn(rng, n):
-    rng = np.random.default_rng(0)
-    return rng.normal(size=n).cumsum()""",
-        row="honest",
-        honest=all_but("drawn"),
-    ),
-    style(
-        "random_one_by_one",
-        "drawn",
-        """\
-def drawn(rng, n):
-    total, out = 0.0, []
-    for _ in range(n):
-        total += rng.normal()
-        out.append(total)
-    return out""",
-        row="honest",
-    ),
-    style(
-        "asks",
-        "clamp",
-        """\
-def clamp(x, low, high):
-    return float(input('x?'))""",
-        row="honest",
-        honest=all_but("clamp"),
-        says="It waits for a person",
-    ),
-    top("asks_at_the_top", "name = input('Your name?')"),
-    top(
-        "magics",
-        """\
-%matplotlib inline
-%timeit sum([1])
-!ls
-?help
-np.sum?
-files = !ls
-x = %sql 1
-%%time
-y = 2""",
-    ),
-    top("cell_magic", "%%bash\nfor i in 1 2; do echo $i; done"),
-    style(
-        "magic_with_a_function",
-        "clamp",
-        f"""\
-%matplotlib inline
-!pip install numpy
-{CLAMP}
+    answer("matrix", "np.asmatrix(made)", lost="middle"),
+    *(style(name, f"{CLAMP.replace('return', 'y =')}\n    return {each}", row="honest")
+      for name, each in NUMBERS.items()),
+    *(beside(name, each) for name, each in BESIDE.items()),
+    *(beside(name, each, "clamp", says="FileNotFoundError") for name, each in NO_PROGRAMS.items()),
+    *(top(name, each) for name, each in TOP.items()),
+    top("data_file_that_is_not_there", "import numpy as np\ndata = np.load('../data/own.npy')", "FileNotFoundError"),
+    edited("endless_display_cell", adding(cell("for i in iter(int, 1): pass", role="display")), row="honest"),
+    style("changes_its_input", "def scaled(values):\n    values -= values.min()\n    values /= np.ptp(values)\n"
+          "    return values", "scaled", row="honest", says="changes its input"),
+    style("ignores_rng", "def drawn(rng, n):\n    return np.random.normal(size=n).cumsum()", "drawn", row="honest",
+          honest=all_but("drawn")),
+    style("asks", "def clamp(x, low, high):\n    return float(input('x?'))", row="honest", honest=all_but("clamp"),
+          says="It waits for a person"),
+    style("magic_with_a_function", f"!pip install numpy\n{CLAMP}\n\nclamp?\n%time clamp(1, 2, 3)", row="honest"),
+    style("cell_magic_with_a_function", f"%%time\n{CLAMP}", row="honest"),
+    style("capture_above_a_function", f"%%capture out\n{CLAMP}", row="honest"),
+    style("asserts_after_a_function", f"{CLAMP}\n\nassert clamp(1, 2, 3) == 5\nclamp('a')\n1 / 0", row="honest"),
+)  # fmt: skip
 
-clamp?
-%time clamp(1, 2, 3)""",
-        row="honest",
-    ),
-    style("cell_magic_with_a_function", "clamp", f"%%time\n{CLAMP}", row="honest"),
-    top("raises", "raise ValueError('stop here')"),
-    top("asserts", "assert 1 == 2, 'not yet'"),
-    style(
-        "asserts_after_a_function",
-        "clamp",
-        f"""\
-{CLAMP}
-
-assert clamp(1, 2, 3) == 5
-clamp('a')
-1 / 0""",
-        row="honest",
-    ),
-    Attack(
-        "table_filled_by_append",
-        "honest",
-        all_but(),
-        {
-            "clamp": "TABLE = []\nTABLE.append(1.0)\nNAMES = {}\nNAMES.update(one=TABLE[0])\n"
-            "def clamp(x, low, high):\n    return max(low, min(high, x)) * NAMES['one']"
-        },
-    ),
-    top("awaits", "import asyncio\nx = await asyncio.sleep(0)"),
-    top("exits", "import sys\nx = sys.exit(1)"),
-    top("exits_in_if", "if 1:\n    import os\n    os._exit(0)"),
-    top("endless_while", "while True:\n    pass"),
-    top("endless_for", "import itertools\nfor i in itertools.count():\n    pass"),
-    top("sleeps_at_the_top", "import time\nx = time.sleep(60)"),
-    Attack(
-        "endless_display_cell",
-        "honest",
-        all_but(),
-        edit=adding(cell("for i in iter(int, 1): pass", role="display")),
-    ),
-    Attack(
-        "interrupted_output",
-        "honest",
-        all_but(),
-        edit=into(
-            1,
-            outputs=[{"output_type": "error", "ename": "KeyboardInterrupt", "evalue": "", "traceback": []}],
-            execution_count=7,
-        ),
-    ),
-    top("plots", "import matplotlib.pyplot as plt\nfig, ax = plt.subplots()\nax.plot([1])\nplt.show()"),
-    top("widgets", "import ipywidgets\nslider = ipywidgets.IntSlider()"),
-    top("shadows_builtins", "list = [1, 2]\nstr = 'x'\nint = 5\nlen = 3"),
-    top(
-        "shadows_numpy",
-        """\
-numpy = None
-np_ = 5
-from types import SimpleNamespace
-json = struct = SimpleNamespace()""",
-    ),
-    top(
-        "last_matplotlib_backend",
-        """\
-import matplotlib
-matplotlib.use = None
-backend = matplotlib.rcParams['backend']""",
-    ),
-    top(
-        "data_file_that_is_not_there",
-        """\
-import numpy as np
-data = np.load('../data/own.npy')""",
-        says="FileNotFoundError",
-    ),
-    top("thousand_functions", "\n".join(f"def f{i}(): return {i}" for i in range(1000))),
-    top("thousand_statements", "\n".join(f"x{i} = {i}" for i in range(3000))),
+ATTACKS: tuple[Attack, ...] = (
+    *NO_NOTEBOOKS,
+    *FILES,
+    *ODD_FILES,
+    *ODD_NOTEBOOKS,
+    *LARGE,
+    *STYLES,
+    *HONEST_WORK,
 )
-
-ATTACKS: tuple[Attack, ...] = (*NO_NOTEBOOKS, *ODD_NOTEBOOKS, *NO_FILES, *STYLES, *HONEST_WORK)

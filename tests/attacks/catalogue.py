@@ -1,8 +1,8 @@
-"""All hostile submissions in one catalogue, and what each of them is after."""
+"""What each hostile submission is after, and which of them are graded at lower levels, too."""
 
 from __future__ import annotations
 
-from tests.attacks import code, fourth_siege, siege
+from tests.attacks.code import ATTACKS
 
 # By the row of the table of attacks and accidents.
 KINDS = (
@@ -12,7 +12,6 @@ KINDS = (
     | dict.fromkeys(("reads", "looks", "network"), "leak")
     | dict.fromkeys(("large", "broken", "styles", "honest"), "odd files and work")
 )
-ATTACKS = (*code.ATTACKS, *siege.ATTACKS, *fourth_siege.ATTACKS)
 HOSTILE = tuple(each for each in ATTACKS if KINDS[each.row] in ("denial", "harm", "gain", "leak"))
 # What is graded at lower levels: all that depends on the layers of the sandbox, and every fifth of the rest.
 _LAYERED = {"hogs", "writes", "signals", "reads", "looks", "network"}

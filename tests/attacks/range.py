@@ -2,22 +2,13 @@
 
 How an entry is added
 ---------------------
-Append an `Attack` to the ATTACKS of a list: `code.py`, `siege.py` and `fourth_siege.py` for hostile submissions, which
-`test_catalogue.py` grades in one run, `accidents.py` for broken files and odd but honest notebooks, which have more
-time and a run of their own. State its honest score first: `honest` names what each exercise has to earn, and all
-others have to earn nothing. Then say how the submission is made, in one of these ways:
-
-- `functions`: source of exercises' cells that take the place of the right ones of RIGHT ("" deletes the cell); `before`
-  and `after`: source of a cell of the student's own before and after them;
-- `edit`: a function that is given the notebook's dict, with all of that in it, and changes it;
-- `files`: what else lies in the student's folder, by name; a name of None is none, an `{lesson}.ipynb` takes the
-  notebook's place;
-- `make`: a function that is given the student's folder, which exists and is empty, and puts anything there.
-
-An attack that looks for something answers wrong unless it finds it (`loot`), so that the honest score is what it earns
-without. In source, `@NAME@` stands for a place of the range: COURSE, SOLUTION (a notebook), SUBMISSIONS, NEIGHBOUR (a
-notebook), GRADES, HOME, SECRET, OPEN (a folder that anyone may write to), TCP and UDP (ports that listen), UNIX and
-ABSTRACT (sockets that listen).
+Name the defence that it attacks and the way; if the catalogue has two or three entries for both, it needs no other.
+Hostile code goes into a table of `code.py`, which `test_catalogue.py` grades in one run; broken files and odd
+but honest notebooks go into `accidents.py`, and have more time and a run of their own. State the honest score: `honest`
+names what each exercise has to earn, and all others have to earn nothing. An attack that looks for something answers
+wrong unless it finds it (`loot`), so that the honest score is what it earns without. In source, `@NAME@` stands for a
+place of the range: COURSE, SOLUTION (a notebook), SUBMISSIONS, NEIGHBOUR (a notebook), GRADES, HOME, SECRET, OPEN (a
+folder that anyone may write to), TCP and UDP (ports that listen), UNIX and ABSTRACT (sockets that listen).
 
 What has to be true of all of them is in `laws.py`.
 """
@@ -124,29 +115,28 @@ LATER_POINTS = pair.POINTS | {"walk": 2}  # without a notebook of the lesson bef
 
 @dataclass(frozen=True)
 class Attack:
-    """One submission and the required outcome, in one of `ROWS`; its name is unique in all catalogues.
+    """One submission, and what must come of it."""
 
-    `honest` has the points by exercise; exercises without an entry earn nothing. `functions` replace correct solutions,
-    `before` and `after` are cells around the exercises, `edit` changes the notebook, `files` are handed in too, and
-    `make` puts files into the student's folder instead of a notebook. `says` has to be in the result, `hides` must not
-    be on the student's page, `refused` means a reason instead of a score, and `races` that it races with its own
-    process, so that it may lose points in `honest`.
-    """
-
-    name: str
-    row: str
-    honest: Mapping[str, float] = field(default_factory=dict)
-    functions: Mapping[str, str] = field(default_factory=dict)
-    before: str = ""
-    after: str = ""
-    edit: Callable[[dict[str, Any]], object] | None = None
-    files: Mapping[str, bytes | str | None] = field(default_factory=dict)
-    make: Callable[[Path], object] | None = None
-    says: str = ""
-    hides: tuple[str, ...] = ()
-    refused: bool = False
+    name: str  # unique in all catalogues; letters, digits and underscores
+    row: str  # a key of ROWS
+    honest: Mapping[str, float] = field(
+        default_factory=dict
+    )  # points by exercise; what is not named earns nothing
+    functions: Mapping[str, str] = field(default_factory=dict)  # source of exercises; "" deletes the cell
+    before: str = ""  # source of a cell of the student's own before the exercises
+    after: str = ""  # and after them
+    edit: Callable[[dict[str, Any]], object] | None = None  # changes the notebook's dict
+    files: Mapping[str, bytes | str | None] = field(
+        default_factory=dict
+    )  # what else is handed in; None: is not
+    make: Callable[[Path], object] | None = None  # puts into the empty folder what is handed in instead
+    says: str = ""  # is in the result: among its notes, reason, or what the student reads
+    hides: tuple[str, ...] = ()  # is not on the student's page
+    refused: bool = False  # it gets a reason instead of a score
     lesson: str = LESSON
-    races: bool = False
+    races: bool = (
+        False  # with the process that it runs in, so that it may lose points that it states as honest
+    )
 
 
 def all_but(*names: str, **points: float) -> dict[str, float]:
@@ -272,40 +262,33 @@ if __name__ == "__main__":
 
 @dataclass(frozen=True)
 class Graded:
-    """The outcome of a run of the grading command: exit status, duration, processes that it left running, and output.
+    """What a run came to."""
 
-    `peak` is the most bytes that its own process held, `again` counts results that replaced others, `expected` are the
-    students that have to be in the results, `changed` are files that differ or were left behind, and `heard` are
-    sockets that someone has spoken to.
-    """
-
-    status: int
+    status: int  # of the command's exit
     seconds: float
-    processes: list[Any]
+    processes: list[Any]  # that it left running
     output: str
-    peak: int
-    results: Mapping[str, SubmissionResult]
-    pages: Mapping[str, str]
-    students: list[str]
-    again: int
-    expected: list[str]
-    changed: list[str]
-    heard: list[str]
+    peak: int  # bytes that its own process held at most
+    results: Mapping[str, SubmissionResult]  # by student
+    pages: Mapping[str, str]  # by student
+    students: list[str]  # in the journal's order
+    again: int  # results that took another one's place
+    expected: list[str]  # students who have to be there
+    changed: list[str]  # files that are not what they were, and what else was left behind
+    heard: list[str]  # sockets that somebody has spoken to
 
 
 @dataclass
 class Range:
-    """A course, a class and everything around it, in an empty folder.
+    """A course, a class and everything around it, in a folder."""
 
-    A call may take `seconds`, the command `most_seconds`. `off` are layers of the sandbox to do without, so that
-    attacks succeed; `user` grades and owns everything, for attacks that would harm this user where layers are missing.
-    """
-
-    root: Path
-    seconds: float = SECONDS
-    off: Sequence[str] = ()
-    user: int | None = None
-    most_seconds: float = 3600.0
+    root: Path  # an empty folder
+    seconds: float = SECONDS  # wall clock of a call
+    off: Sequence[str] = ()  # layers of the sandbox to do without: to see attacks succeed
+    user: int | None = (
+        None  # who grades, and owns all of it: for attacks that would harm this user without layers
+    )
+    most_seconds: float = 3600.0  # after which the command is ended
     jobs: int = 2
 
     def __post_init__(self) -> None:

@@ -14,20 +14,20 @@ import pytest
 
 from benchmarks.course.siege import OFF, USER, withstood
 from tests.attacks import accidents, laws
-from tests.attacks.catalogue import ATTACKS, HOSTILE, KINDS
+from tests.attacks.catalogue import HOSTILE, KINDS
+from tests.attacks.code import ATTACKS, SPREADSHEETS
 from tests.attacks.conftest import LAYERS
 from tests.attacks.range import POINTS, REAL_POINTS, ROWS, Attack, all_but, lined_up, points
-from tests.attacks.siege import SPREADSHEETS
 from tests.paths import PROJECT
 from tests.toy import pair
 
 
 def test_the_catalogues_cover_every_row_and_a_name_stands_once():
-    assert {attack.row for attack in ATTACKS} == set(ROWS) == set(KINDS)
-    names = Counter(attack.name for attack in (*ATTACKS, *accidents.ATTACKS))
-    assert not [name for name, count in names.items() if count > 1]
+    every = (*ATTACKS, *accidents.ATTACKS)
+    assert {attack.row for attack in every} == set(ROWS) == set(KINDS)
+    assert max(Counter(attack.name for attack in every).values()) == 1
     worth = POINTS | REAL_POINTS | pair.POINTS
-    for attack in ATTACKS:
+    for attack in every:
         assert all(0 < points <= worth[name] for name, points in attack.honest.items())
 
 
@@ -129,7 +129,7 @@ def test_an_honest_function_that_needs_its_time_has_it_beside_forty_busy_childre
 @pytest.mark.parametrize("level", OFF)
 def test_a_lower_level_withstands_what_the_page_counts(level, field):
     """A sample: `python -m benchmarks siege` grades all. Only root may lend the hostile ones another user."""
-    some = [each for each in ATTACKS if each not in HOSTILE][::9]
+    some = [each for each in accidents.ATTACKS if each.row == "large"][::9]
     user = USER if os.geteuid() == 0 else None
     if user:
         some += [each for each in HOSTILE if each.name in withstood(level)][::25]
@@ -149,23 +149,16 @@ VISIBLE = {
         "reads_the_solution",
         "reads_another_submission",
         "reads_the_secret",
-        "reads_a_private_key",
-        "reads_the_tests",
+        "reads_the_users",
+        "reads_through_a_link",
     ),
     *(
         "lists_the_submissions",
-        "reads_the_users",
-        "reads_through_a_link",
         "looks_for_what_the_one_before_left",
-    ),
-    *(
         "writes_where_anyone_may",
         "connects_by_tcp",
-        "sends_by_udp",
-        "unix_socket",
-        "abstract_socket",
-        "real_theft",
     ),
+    *("sends_by_udp", "unix_socket", "abstract_socket", "real_theft"),
 }
 
 

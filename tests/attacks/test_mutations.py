@@ -37,6 +37,7 @@ from nao_course.instructor.autograding.failures import definition_lines
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.files import read
 from nao_course.instructor.collecting.submissions import gather
+from nao_course.instructor.sandbox import worker
 from nao_course.instructor.sandbox.protocol import REPLY
 from tests.attacks.accidents import FILE, HONEST, TEXT, packed
 from tests.attacks.range import LESSON
@@ -56,18 +57,23 @@ WORDS = [
     b"\n",
 ]
 ODD = [
-    *(None, True, 0, -1, 2**63, 10**400, 1e308, float("nan"), "", "\ud800", "\0", "x" * 10_000),
     *(
-        [],
-        {},
-        [[]],
-        {"": {}},
-        [None] * 1000,
-        {"cell_type": "code"},
+        None,
+        True,
+        0,
+        -1,
+        2**63,
+        10**400,
+        1e308,
+        float("nan"),
+        "",
+        "\ud800",
+        "\0",
+        "x" * 10_000,
         "code",
         ["\u2028"],
-        {"nbgrader": {"grade_id": []}},
     ),
+    *([], {}, [[]], {"": {}}, [None] * 1000, {"cell_type": "code"}, {"nbgrader": {"grade_id": []}}),
 ]
 
 
@@ -230,8 +236,8 @@ def test_a_broken_answer_has_a_verdict(rngs):
             outcome = decode(frame[:4] + sizes + header + body, REPLY)
         except CodecError:
             continue
-        if not isinstance(outcome, Outcome) or outcome.status != "value" or type(outcome.changed) is not bool:
-            continue  # the worker's end has looked at these
+        if not worker._well_formed(outcome) or outcome.status != "value":
+            continue
         read_whole += 1
         gathered = judging.answer(comparison, lambda _, outcome=outcome: outcome, case)  # it must not raise
         try:

@@ -15,7 +15,7 @@ import pytest
 from nao_course.instructor.sandbox.layers import LEVELS, probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
-from tests.attacks.catalogue import ATTACKS
+from tests.attacks.code import ATTACKS
 from tests.paths import PROJECT
 from tests.sandboxed import attacker, attempt, need, only
 from tests.toy.course import lay_out_first_lessons
