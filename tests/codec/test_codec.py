@@ -116,19 +116,6 @@ def test_long_doubles_come_back_as_doubles():
     assert peak(lambda: encode(np.broadcast_to(np.longdouble(1), (10**6, 10**6)))) < 10**6
 
 
-def test_what_comes_back_is_plain_and_its_own():
-    class Liar(np.ndarray):
-        def __eq__(self, other):
-            return True
-
-    given_array = np.zeros(3).view(Liar)
-    back = decode(encode(given_array))
-    assert type(back) is np.ndarray
-    back[0] = 1
-    assert np.asarray(given_array)[0] == 0
-    assert type(decode(encode(np.ma.masked_array([1.0], [True])))) is np.ndarray
-
-
 def test_a_view_comes_back_in_its_own_order():
     array = np.arange(12).reshape(3, 4)
     for view in (array.T, array[::-1, ::2], np.broadcast_to(array[0], (5, 4))):
@@ -166,9 +153,13 @@ class Loud(np.ndarray):
     tobytes = astype = __array__  # type: ignore[assignment]
 
 
-def test_no_code_of_an_arrays_own_class_runs():
-    loud = np.arange(3.0).view(Loud)
-    assert decode(encode(loud)).tolist() == [0, 1, 2]
+def test_what_comes_back_is_plain_and_its_own_and_no_code_of_an_arrays_class_runs():
+    given_array = np.zeros(3).view(Loud)
+    back = decode(encode(given_array))
+    assert type(back) is np.ndarray
+    back[0] = 1
+    assert np.ndarray.tobytes(given_array) == bytes(24)
+    assert type(decode(encode(np.ma.masked_array([1.0], [True])))) is np.ndarray
 
 
 @pytest.mark.parametrize(
@@ -242,63 +233,38 @@ def test_a_value_too_large_is_refused_before_it_is_made(value):
     assert peak(lambda: encode(value, limits)) < 2 * 10**7
 
 
-@pytest.mark.parametrize(
-    "data",
-    [
-        b"",
-        b"NAO1",
-        b"XAO1" + bytes(16),
-        struct.pack("<4sQQ", b"NAO1", 2**63, 0),
-        struct.pack("<4sQQ", b"NAO1", 2, 2**63),
-        frame("["),
-        frame("[1]"),
-        frame("1.5"),
-        frame("NaN"),
-        frame('"text"'),
-        frame("{}"),
-        frame('{"z":1}'),
-        frame('{"i":"zz"}'),
-        frame('{"i":5}'),
-        frame('{"f":"one"}'),
-        frame('{"f":1}'),
-        frame('{"s":1}'),
-        frame('{"b":1}'),
-        frame('{"b":-1}'),
-        frame('{"b":true}', b"x"),
-        frame('{"b":1}', b"xy"),
-        frame('{"l":1}'),
-        frame('{"l":"abc"}'),
-        frame('{"t":{"l":[]}}'),
-        frame('{"d":[]}'),
-        frame('{"a":"|O","shape":[1],"b":8}', bytes(8)),
-        frame('{"a":"<f8","shape":[2],"b":8}', bytes(8)),
-        frame('{"a":"<f8","shape":[-1],"b":8}', bytes(8)),
-        frame('{"a":"<f8","shape":[true],"b":8}', bytes(8)),
-        frame('{"a":"<f8","shape":' + str([1] * 70) + ',"b":8}', bytes(8)),
-        frame('{"a":"<f8","shape":[4294967296,4294967296,0,4294967296],"b":1}', bytes(1)),
-        frame('{"a":["<f8"],"shape":[1],"b":8}', bytes(8)),
-        frame('{"a":"<f8","b":8}', bytes(8)),
-        frame('{"n":{"a":"<f8"}}'),
-        frame('{"n":{"a":"<f8","shape":[1],"b":8}}', bytes(8)),
-        frame('{"s":"\\ud800"}'),
-        frame('{"d":{"\\ud800":1}}'),
-        frame('{"s":"\u00e9"}'),
-        frame('{"s":"x"}'.encode("utf-16")),
-        frame("1" + "0" * 160),
-        frame('{"i":"0x' + "f" * 200 + '"}'),
-        frame('{"g":{"d":{"bit_generator":{"s":"PCG64"},"state":{"d":{"state":1.0,"inc":1}}}}}'),
-        frame('{"o":"os:system","v":{}}'),
-        frame('{"o":"nao_course.cli:app","v":{}}'),
-        frame('{"o":["x"],"v":{}}'),
-        frame('{"o":"nao_course.exercises.case:Case","v":{"nothing":1}}'),
-        frame('{"g":{"d":{"bit_generator":{"s":"PCG64"}}}}'),
-        frame('{"g":1}'),
-        frame("[" * 100_000),
-        frame('{"l":[' * 100 + "]}" * 100),
-        frame("1" * 5000),
-        frame(b"\xff\xfe"),
-    ],
-)
+OF_8 = bytes(8)
+NO_FRAMES = [
+    *(b"", b"NAO1", b"XAO1" + bytes(16)),
+    *(struct.pack("<4sQQ", b"NAO1", 2**63, 0), struct.pack("<4sQQ", b"NAO1", 2, 2**63)),
+    *map(
+        frame, ("[", "[1]", "1.5", "NaN", '"text"', "{}", '{"z":1}', "[" * 100_000, "1" * 5000, b"\xff\xfe")
+    ),
+    *map(
+        frame,
+        ('{"i":"zz"}', '{"i":5}', '{"f":"one"}', '{"f":1}', '{"s":1}', '{"b":1}', '{"b":-1}', '{"g":1}'),
+    ),
+    *map(frame, ('{"l":1}', '{"l":"abc"}', '{"t":{"l":[]}}', '{"d":[]}', '{"l":[' * 100 + "]}" * 100)),
+    *map(frame, ('{"s":"\\ud800"}', '{"d":{"\\ud800":1}}', '{"s":"\u00e9"}', '{"s":"x"}'.encode("utf-16"))),
+    *map(
+        frame,
+        ("1" + "0" * 160, '{"i":"0x' + "f" * 200 + '"}', '{"o":"os:system","v":{}}', '{"o":["x"],"v":{}}'),
+    ),
+    *map(
+        frame,
+        ('{"o":"nao_course.cli:app","v":{}}', '{"o":"nao_course.exercises.case:Case","v":{"nothing":1}}'),
+    ),
+    frame('{"g":{"d":{"bit_generator":{"s":"PCG64"},"state":{"d":{"state":1.0,"inc":1}}}}}'),
+    frame('{"g":{"d":{"bit_generator":{"s":"PCG64"}}}}'),
+    *(frame('{"b":true}', b"x"), frame('{"b":1}', b"xy"), frame('{"n":{"a":"<f8"}}')),
+    *(frame(f'{{"a":"<f8","shape":[{size}],"b":8}}', OF_8) for size in ("2", "-1", "true", "1," * 69 + "1")),
+    *(frame('{"a":"|O","shape":[1],"b":8}', OF_8), frame('{"a":["<f8"],"shape":[1],"b":8}', OF_8)),
+    *(frame('{"a":"<f8","b":8}', OF_8), frame('{"n":{"a":"<f8","shape":[1],"b":8}}', OF_8)),
+    frame('{"a":"<f8","shape":[4294967296,4294967296,0,4294967296],"b":1}', bytes(1)),
+]
+
+
+@pytest.mark.parametrize("data", NO_FRAMES)
 def test_what_is_no_frame_is_refused(data):
     with pytest.raises(CodecError):
         decode(data)
@@ -313,15 +279,6 @@ def test_a_registered_class_that_refuses_its_values_is_no_frame():
 
 
 SAMPLE = encode([{"a": 1.5, "b": "text"}, np.arange(6.0).reshape(2, 3), (None, True, 2**80), Pair(b"xyz", 1)])
-
-
-@settings(max_examples=500)
-@given(st.integers(0, 8 * len(SAMPLE) - 1))
-def test_a_flipped_bit_gives_a_value_or_a_refusal(bit):
-    data = bytearray(SAMPLE)
-    data[bit // 8] ^= 1 << bit % 8
-    with contextlib.suppress(CodecError):
-        decode(bytes(data))
 
 
 def test_a_truncated_or_longer_frame_is_refused():
@@ -399,45 +356,13 @@ NUMBERS = (
 )
 WORDS = st.sampled_from(
     [
-        *(
-            "<f8",
-            "<f4",
-            "|b1",
-            "|u1",
-            "<c16",
-            ">f8",
-            "|O",
-            "<U4",
-            "<M8[s]",
-            "0x1.8p+1",
-            "nan",
-            "-inf",
-            "0x1p99999",
-        ),
-        *(
-            "-0xff",
-            "0x" + "f" * 128,
-            "0x" + "f" * 129,
-            "PCG64",
-            "PCG64DXSM",
-            "bit_generator",
-            "\ud800",
-            "\udfff\ud800",
-        ),
-        *("nao_course.exercises.case:Case", "nao_course.exercises.running:Outcome", f"{__name__}:Pair"),
-        *(
-            "nao_course.exercises.comparisons.values:Close",
-            "csr_array",
-            "coo_matrix",
-            "nao_course.geometry:Pose",
-            "builtins:object",
-            "value",
-            "refused",
-            "first",
-            "second",
-        ),
+        *("<f8", "<f4", "|b1", "|u1", "<c16", ">f8", "|O", "<U4", "<M8[s]", "0x1.8p+1", "nan", "-inf", "0x1p99999"),
+        *("-0xff", "0x" + "f" * 128, "0x" + "f" * 129, "PCG64", "PCG64DXSM", "bit_generator", "\ud800", "\udfff\ud800"),
+        *("nao_course.exercises.case:Case", "nao_course.exercises.running:Outcome", "nao_course.geometry:Pose"),
+        *("nao_course.exercises.comparisons.values:Close", "csr_array", "coo_matrix", f"{__name__}:Pair"),
+        *("builtins:object", "value", "refused", "first", "second"),
     ]
-)
+)  # fmt: skip
 KEYS = st.sampled_from([*"ifsbanltdgovmcuq", "parts", "shape", "first", "second", "args", "status", "\ud800"])
 anything = st.recursive(
     st.none() | st.booleans() | NUMBERS | WORDS | st.floats(),
@@ -465,27 +390,21 @@ def nodes(draw, depth=3):
             "uinteger": NUMBERS | inner,
         }
     )
-    return draw(
-        st.one_of(
-            NUMBERS,
-            array,
-            long_shape,
-            st.fixed_dictionaries({"n": array}),
-            st.fixed_dictionaries({"b": NUMBERS}),
-            st.fixed_dictionaries({"i": WORDS}),
-            st.fixed_dictionaries({"f": WORDS}),
-            st.fixed_dictionaries({"s": WORDS | st.text()}),
-            st.fixed_dictionaries({"l": st.lists(inner, max_size=3)}),
-            st.fixed_dictionaries({"t": st.lists(inner, max_size=3)}),
-            st.fixed_dictionaries({"d": st.dictionaries(WORDS, inner, max_size=3)}),
-            st.fixed_dictionaries({"g": st.fixed_dictionaries({"d": generator})}),
-            st.fixed_dictionaries({"o": WORDS, "v": st.dictionaries(KEYS, inner, max_size=2)}),
-            st.fixed_dictionaries({"m": st.lists(st.lists(inner, min_size=2, max_size=2), max_size=3)}),
-            st.fixed_dictionaries({"c": st.lists(WORDS, min_size=2, max_size=2)}),
-            st.fixed_dictionaries({"u": WORDS}),
-            st.fixed_dictionaries({"q": WORDS, "shape": shape, "parts": st.lists(array, max_size=3)}),
-        )
-    )
+    of = {
+        **dict.fromkeys("ifu", WORDS),
+        **dict.fromkeys("lt", st.lists(inner, max_size=3)),
+        "n": array,
+        "b": NUMBERS,
+        "s": WORDS | st.text(),
+        "d": st.dictionaries(WORDS, inner, max_size=3),
+        "g": st.fixed_dictionaries({"d": generator}),
+        "m": st.lists(st.lists(inner, min_size=2, max_size=2), max_size=3),
+        "c": st.lists(WORDS, min_size=2, max_size=2),
+    }
+    whole = {"o": WORDS, "v": st.dictionaries(KEYS, inner, max_size=2)}
+    sparse = {"q": WORDS, "shape": shape, "parts": st.lists(array, max_size=3)}
+    kinds = [{name: strategy} for name, strategy in of.items()] + [whole, sparse]
+    return draw(st.one_of(NUMBERS, array, long_shape, *map(st.fixed_dictionaries, kinds)))
 
 
 def lawful(data, limits=None):
