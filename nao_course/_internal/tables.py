@@ -120,7 +120,7 @@ def read_people(path: Path) -> list[Person]:
             f"{path.name}, row 1: the columns are {_few(rows[0])}; a class list should have a column {STUDENT!r}, "
             "or one name in each line, or be Moodle's grading worksheet or Canvas's gradebook"
         )
-    people, numbers = [], []
+    people, numbers = list[Person](), list[tuple[int, str]]()
     for line, row in enumerate(rows[names is not None :], start=1 + (names is not None)):
         at = names or 0
         name = row[at] if at < len(row) else ""

@@ -318,7 +318,7 @@ class _Search:
         """Record an archive that cannot be opened: as a submission, if its lesson is known."""
         lessons = self.lessons_in(name.file) or set(self.wanted)
         if len(lessons) == 1:
-            self.add(replace(item, problem=problem), name, *lessons, (), shown)
+            self.add(replace(item, problem=problem), name, min(lessons), (), shown)
         else:
             self.leave_out(shown, problem, is_lost=True)
 
