@@ -4,7 +4,9 @@ from __future__ import annotations
 import __future__
 
 import ast
+import builtins
 import contextlib
+import dis
 import inspect
 import linecache
 import re
@@ -45,6 +47,14 @@ _RUN = (
     getattr(ast, "TypeAlias", ast.Assign),  # since Python 3.12
 )
 _CHECKED = re.compile(r"\bcheck\(\s*+[\"'](\w+)")
+_OF_IPYTHON = {"display", "get_ipython"}
+_IMPORTED_AS = {  # modules that a notebook gives a short name
+    "np": "import numpy as np",
+    "cv": "import cv2 as cv",
+    "cv2": "import cv2",
+    "plt": "import matplotlib.pyplot as plt",
+    "sp": "import sympy as sp",
+}
 _LONGEST_CHECK = 1000  # characters of a cell that is looked through for calls of check
 
 
@@ -122,8 +132,8 @@ def load_definitions(
 
     The last definition of a name is used, with two exceptions. A blank definition of an exercise, or one with more
     blank methods, does not replace an earlier one. If a cell deletes what an exercise depends on, or gives its name to
-    another value, after the exercise's last check, then the value at that check is used; a function or class is
-    replaced by a later function or class only.
+    another value, after the exercise's last check, then the value at that check is used. A function that the exercise
+    calls and that a later cell defines again is the one at the check for this exercise, and the later one for others.
 
     Parameters
     ----------
@@ -347,13 +357,28 @@ class _Loading:
                         f"It is graded with {each} as it was at {version} check.",
                     )
         for name, values in self.at_check.items():
-            for each, value in values.items():
-                if each not in self.functions and _is_other_function(value, self.namespace.get(each)):
-                    remark(
-                        name,
-                        f"It depends on {each}, which code cell {self.set_in.get(each, 0)} defines again after the "
-                        "check. It is graded with the later definition, so give one of the two another name.",
-                    )
+            again = [
+                each
+                for each, value in values.items()
+                if each not in self.functions and _is_other_function(value, self.namespace.get(each))
+            ]
+            checked = bool(again) and self._uses_helpers_at_check(name)
+            version = "as it was at the check" if checked else "as it is defined later"
+            for each in again:
+                remark(
+                    name,
+                    f"It depends on {each}, which code cell {self.set_in.get(each, 0)} defines again after the check. "
+                    f"It is graded with {each} {version}. Give one of the two another name.",
+                )
+        for name in self.functions:
+            for each in _missing_names(self.namespace.get(name), self.namespace)[:MOST_LISTED]:
+                how = _IMPORTED_AS.get(each) or (f"import {each}" if each in sys.stdlib_module_names else "")
+                advice = f"Write `{how}` into a cell" if how else "Import or define it in a cell"
+                remark(
+                    name,
+                    f"It uses the name {each}, which no cell that the grader runs defines. {advice}, restart the "
+                    "kernel and run all cells.",
+                )
         found = {name: self.namespace[name] for name in self.defined if callable(self.namespace.get(name))}
         for name, why in self.text.elsewhere.items():
             if name not in found or self.blanks.get(name):
@@ -362,6 +387,57 @@ class _Loading:
             remark(name, why)
         told = {name: tuple(texts) for name, texts in remarks.items()}
         return Definitions(found, tuple(self.skipped), self.namespace, self.text, told)
+
+    def _uses_helpers_at_check(self, name: str) -> bool:
+        """Let an exercise use its helpers as at its check, if the function there is the one that is graded."""
+        function = self.functions[name][0]
+        values = self.at_check[name]
+        if values.get(name) is not function or getattr(function, "__globals__", None) is not self.namespace:
+            return False
+        shared = {each: value for each, value in self.namespace.items() if each not in self.exercises}
+        own = _AtCheck(self.namespace, shared)
+        own.update((each, _with_globals(value, own)) for each, value in values.items() if each != name)
+        self.namespace[name] = _with_globals(function, own)
+        return True
+
+
+class _AtCheck(dict[str, Any]):
+    """Global names of an exercise and its helpers; the exercises in it are those of the notebook at any time."""
+
+    def __init__(self, notebook: Mapping[str, Any], names: Mapping[str, Any]) -> None:
+        super().__init__(names)
+        self._notebook = notebook
+
+    def __missing__(self, name: str) -> Any:
+        return self._notebook[name]
+
+
+def _missing_names(function: Any, namespace: Mapping[str, Any]) -> list[str]:
+    """Return the global names that a function and its helpers in the notebook read and that nothing defines."""
+    missing = dict[str, None]()
+    waiting, seen = [getattr(function, "__code__", None)], set[int]()
+    while waiting:
+        code = waiting.pop()
+        if not isinstance(code, CodeType) or id(code) in seen:
+            continue
+        seen.add(id(code))
+        waiting += [each for each in code.co_consts if isinstance(each, CodeType)]
+        for name in {each.argval for each in dis.get_instructions(code) if each.opname == "LOAD_GLOBAL"}:
+            if isinstance(value := namespace.get(name), FunctionType):
+                waiting.append(value.__code__)
+            elif name not in namespace and not hasattr(builtins, name) and name not in _OF_IPYTHON:
+                missing[name] = None
+    return sorted(missing)
+
+
+def _with_globals(value: Any, own: _AtCheck) -> Any:
+    """Return a function of the notebook with other global names, and any other value as it is."""
+    if not isinstance(value, FunctionType) or value.__globals__ is not own._notebook:
+        return value
+    made = FunctionType(value.__code__, own, value.__name__, value.__defaults__, value.__closure__)
+    made.__kwdefaults__ = value.__kwdefaults__
+    made.__dict__.update(value.__dict__)
+    return made
 
 
 def demonstrated(cells: Sequence[tuple[str, str]]) -> list[str]:

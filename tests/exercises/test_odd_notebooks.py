@@ -305,12 +305,52 @@ def test_a_later_function_counts_and_the_cells_are_named(read):
 
 
 @pytest.mark.parametrize("other", [False, True])
-def test_a_helper_that_is_another_function_after_the_check_is_named(other, read):
-    cells, at = changed(EXERCISE, source=f"def {EXERCISE}(hue):\n    return helper(hue)")
-    one, two = code("def helper(x):\n    return x"), code(f"def helper(x):\n    return {'-' * other}x")
-    found = read(LESSON, [*cells[:at], one, *cells[at : at + 2], two, *cells[at + 2 :]])
-    assert found[EXERCISE](1) == (-1 if other else 1)
-    assert ["helper, which code cell" in each for each in found.remarks.get(EXERCISE, ())] == [True] * other
+@pytest.mark.parametrize(
+    "helpers", ["def helper(x):\n    return x", "def helper(x):\n    return inner(x, y=0)"]
+)
+def test_an_exercise_is_graded_with_its_helpers_at_its_check_and_with_the_notebooks_exercises(
+    other, helpers, read
+):
+    uses = "global CALLS\n    CALLS += 1\n    return helper(hue) + add, white_threshold"
+    body = f"def {EXERCISE}(hue, *, add=0):\n    {uses}"
+    cells, at = changed(EXERCISE, source=body)
+    inner = "CALLS = 0\ndef inner(x, *, y=1):\n    return x + y"
+    one, two = (
+        code(f"{inner}\n{helpers}"),
+        code("def helper(x):\n    return 0\n\ndef inner(x, *, y=1):\n    return 0"),
+    )
+    found = read(LESSON, [*cells[:at], one, *cells[at : at + 2], two if other else one, *cells[at + 2 :]])
+    answer, used = found[EXERCISE](3, add=1)
+    assert answer == 4 and used is found["white_threshold"] and found["helper"](3) == (0 if other else 3)
+    found.namespace["white_threshold"] = "a stand-in"
+    assert found[EXERCISE](3)[1] == "a stand-in"
+    said = found.remarks.get(EXERCISE, ())
+    assert any("helper as it was at the check" in each for each in said) is other
+    # Without a check after it, the function is graded as the notebook ends.
+    found = read(
+        LESSON, [*cells[:at], one, cells[at + 1], code(body), two if other else one, *cells[at + 2 :]]
+    )
+    assert found[EXERCISE](3)[0] == (0 if other else 3)
+
+
+@pytest.mark.parametrize(
+    ("body", "missing"),
+    [
+        ("math.pi", ["`import math`"]),
+        ("plt.figure()", ["`import matplotlib.pyplot as plt`"]),
+        ("helper(hue)", ["name factor"]),
+        ("[deque(x) for x in hue]", ["name deque"]),
+        ("abs(np.pi) + white_threshold(0)", []),
+        ("globals()['later']", []),
+    ],
+)
+def test_a_name_that_a_deleted_cell_defined_is_named_with_what_to_do(body, missing, read):
+    cells, at = changed(EXERCISE, source=f"def {EXERCISE}(hue):\n    later = 3\n    return {body}, later")
+    found = read(LESSON, [*cells[:at], code("def helper(x):\n    return factor * x"), *cells[at:]])
+    said = [
+        each for each in found.remarks.get(EXERCISE, ()) if "no cell that the grader runs defines" in each
+    ]
+    assert len(said) == len(missing) and all(name in each for each, name in zip(said, missing, strict=True))
 
 
 def test_a_library_under_the_name_of_an_exercise_does_not_replace_it(read):

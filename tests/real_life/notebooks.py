@@ -202,6 +202,16 @@ VARIANTS = {  # ways to write an exercise and what belongs to it; each passes
     "helper behind the check": written(
         within="globals().get('half', abs)(3)", after="def half(x):\n    return x / 2"
     ),
+    "helper defined again": written(
+        before="def half(x):\n    return x / 2",
+        within="assert half(3) == 1.5",
+        after="def half(x):\n    return 0",
+    ),
+    "helper's helper defined again": written(
+        before="def two():\n    return 2\n\ndef half(x):\n    return x / two()",
+        within="assert half(3) == 1.5",
+        after="def two():\n    return 3",
+    ),
     "helper in its cell": written(prefix="def half(x):\n    return x / 2", within="half(3)"),
     "constant behind it in its cell": written(within="assert LIMIT == 3", suffix="LIMIT = 3"),
     "helper file": written(
