@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from nao_course.datasets import data_folder
 from tests import order
@@ -17,6 +18,8 @@ from tests import order
 gc.disable()  # until all is collected: thousands of tests that stay would be gone through again and again
 os.environ["MPLBACKEND"] = "Agg"  # here and in every kernel that a test starts: no test opens a window
 os.environ["NAO_COURSE_TIME_LIMIT"] = "60"  # of a panel that names no other: no test fails for being late
+settings.register_profile("any machine", deadline=None)
+settings.load_profile("any machine")
 # jsonschema, and with it nbformat, would read the grammar of internationalised addresses: seconds for each process.
 sys.modules.setdefault("rfc3987_syntax", None)
 

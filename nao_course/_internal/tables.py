@@ -120,7 +120,7 @@ def read_people(path: Path) -> list[Person]:
             f"{path.name}, row 1: the columns are {_few(rows[0])}; a class list should have a column {STUDENT!r}, "
             "or one name in each line, or be Moodle's grading worksheet or Canvas's gradebook"
         )
-    people, numbers = list[Person](), list[tuple[int, str]]()
+    people, seen = list[Person](), list[tuple[int, str]]()
     for line, row in enumerate(rows[names is not None :], start=1 + (names is not None)):
         at = names or 0
         name = row[at] if at < len(row) else ""
@@ -138,8 +138,8 @@ def read_people(path: Path) -> list[Person]:
                 "Format the column as text, or export the list again"
             )
         people.append(Person(name, digits[1] if digits else "", platform, tuple(row)))
-        numbers += [(line, digits[1])] if digits else []
-    refuse_doubled_numbers(path.name, numbers)
+        seen += [(line, digits[1])] if digits else []
+    refuse_doubled_numbers(path.name, seen)
     return people
 
 
