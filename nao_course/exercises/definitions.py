@@ -371,6 +371,8 @@ class _Loading:
                     f"It is graded with {each} {version}. Give one of the two another name.",
                 )
         for name in self.functions:
+            if all(each in self.namespace or _is_known(each) for each in self.program.needed_by([name])):
+                continue
             for each in _missing_names(self.namespace.get(name), self.namespace)[:MOST_LISTED]:
                 how = _IMPORTED_AS.get(each) or (f"import {each}" if each in sys.stdlib_module_names else "")
                 advice = f"Write `{how}` into a cell" if how else "Import or define it in a cell"
@@ -389,10 +391,10 @@ class _Loading:
         return Definitions(found, tuple(self.skipped), self.namespace, self.text, told)
 
     def _uses_helpers_at_check(self, name: str) -> bool:
-        """Let an exercise use its helpers as at its check, if the function there is the one that is graded."""
+        """Let an exercise use its helpers as at its check, if its check was of the graded function."""
         function = self.functions[name][0]
         values = self.at_check[name]
-        if values.get(name) is not function or getattr(function, "__globals__", None) is not self.namespace:
+        if values.get(name) is not function or not _is_of(function, self.namespace):
             return False
         shared = {each: value for each, value in self.namespace.items() if each not in self.exercises}
         own = _AtCheck(self.namespace, shared)
@@ -402,7 +404,7 @@ class _Loading:
 
 
 class _AtCheck(dict[str, Any]):
-    """Global names of an exercise and its helpers; the exercises in it are those of the notebook at any time."""
+    """Global names of an exercise and its helpers; the exercises in it are always the notebook's own."""
 
     def __init__(self, notebook: Mapping[str, Any], names: Mapping[str, Any]) -> None:
         super().__init__(names)
@@ -415,24 +417,33 @@ class _AtCheck(dict[str, Any]):
 def _missing_names(function: Any, namespace: Mapping[str, Any]) -> list[str]:
     """Return the global names that a function and its helpers in the notebook read and that nothing defines."""
     missing = dict[str, None]()
-    waiting, seen = [getattr(function, "__code__", None)], set[int]()
+    waiting, seen = [function.__code__] if type(function) is FunctionType else [], set[int]()
     while waiting:
         code = waiting.pop()
-        if not isinstance(code, CodeType) or id(code) in seen:
+        if id(code) in seen:
             continue
         seen.add(id(code))
         waiting += [each for each in code.co_consts if isinstance(each, CodeType)]
         for name in {each.argval for each in dis.get_instructions(code) if each.opname == "LOAD_GLOBAL"}:
-            if isinstance(value := namespace.get(name), FunctionType):
+            if type(value := namespace.get(name)) is FunctionType:
                 waiting.append(value.__code__)
-            elif name not in namespace and not hasattr(builtins, name) and name not in _OF_IPYTHON:
+            elif name not in namespace and not _is_known(name):
                 missing[name] = None
     return sorted(missing)
 
 
+def _is_known(name: str) -> bool:
+    return hasattr(builtins, name) or name in _OF_IPYTHON
+
+
+def _is_of(value: Any, namespace: Mapping[str, Any]) -> bool:
+    """Return whether a value is a function with these global names; a student's object is not asked for its class."""
+    return type(value) is FunctionType and value.__globals__ is namespace
+
+
 def _with_globals(value: Any, own: _AtCheck) -> Any:
     """Return a function of the notebook with other global names, and any other value as it is."""
-    if not isinstance(value, FunctionType) or value.__globals__ is not own._notebook:
+    if not _is_of(value, own._notebook):
         return value
     made = FunctionType(value.__code__, own, value.__name__, value.__defaults__, value.__closure__)
     made.__kwdefaults__ = value.__kwdefaults__

@@ -119,16 +119,14 @@ class Attack:
 
     name: str  # unique in all catalogues; letters, digits and underscores
     row: str  # a key of ROWS
-    honest: Mapping[str, float] = field(
-        default_factory=dict
-    )  # points by exercise; what is not named earns nothing
+    # points by exercise; what is not named earns nothing
+    honest: Mapping[str, float] = field(default_factory=dict)
     functions: Mapping[str, str] = field(default_factory=dict)  # source of exercises; "" deletes the cell
     before: str = ""  # source of a cell of the student's own before the exercises
     after: str = ""  # and after them
     edit: Callable[[dict[str, Any]], object] | None = None  # changes the notebook's dict
-    files: Mapping[str, bytes | str | None] = field(
-        default_factory=dict
-    )  # what else is handed in; None: is not
+    # what else is handed in; a file of None is removed
+    files: Mapping[str, bytes | str | None] = field(default_factory=dict)
     make: Callable[[Path], object] | None = None  # puts into the empty folder what is handed in instead
     says: str = ""  # is in the result: among its notes, reason, or what the student reads
     hides: tuple[str, ...] = ()  # is not on the student's page
