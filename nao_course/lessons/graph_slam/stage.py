@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
@@ -33,6 +33,11 @@ class _Graph:
     variances: FloatArray = field(default_factory=lambda: np.zeros(0))
     odometry: list[Pose] = field(default_factory=list)  # of the poses
     measured: int = 0
+
+    def copy(self) -> _Graph:
+        """Return a graph that can grow without changing this one."""
+        systems = [(omega.copy(), xi.copy()) for omega, xi in self.systems]
+        return replace(self, kinds=[*self.kinds], systems=systems, odometry=[*self.odometry])
 
     def new_variable(self, kind: str, at: FloatArray) -> int:
         """Add a variable to both systems, at first at (2,) in metres."""
@@ -125,13 +130,18 @@ def _map_the_drive(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     graph, truth, rng = _Graph(student), Truth(nao), np.random.default_rng(SEED)
 
     def look(frame: Frame) -> Overlay:
+        nonlocal graph
         odometry = nao.odometry
         if _is_new(graph, odometry):
             with nao.aside(rng):  # measuring must not change how the robot slips next
                 seen = nao.sense(frame.picture.camera)
-            pose = _start_or_move(graph, odometry)
-            _measure(graph, pose, odometry.theta, seen)
-            graph.solved()
+            grown = graph.copy()
+            pose = _start_or_move(grown, odometry)
+            _measure(grown, pose, odometry.theta, seen)
+            grown.solved()
+            graph = (
+                grown  # only now: if a function of the student's fails, the picture leaves no half of itself
+            )
         since = odometry.as_array()[:2] - graph.odometry[-1].as_array()[:2]
         x, y = graph.positions[graph.last_pose] + since
         estimate = graph.estimate(Pose(float(x), float(y), odometry.theta))

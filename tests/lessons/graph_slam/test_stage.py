@@ -1,6 +1,7 @@
 """What lesson 08 adds to the robot: a map of the drive, by two linear graphs."""
 
 import numpy as np
+import pytest
 
 from nao_course.exercises import load_definitions
 from nao_course.geometry import Pose
@@ -82,6 +83,22 @@ def test_the_map_stands_in_the_frame_of_the_start_and_a_landmark_is_within_its_e
     assert away.max() < 0.3 and (away < 4 * spread + 0.05).mean() > 0.7
     assert (spread < 0.3).all(), "what nobody knows of the start is not the map's"
     assert not seen.overlays[STAGE.name].points.size, "stars are of other lessons"
+
+
+@pytest.mark.parametrize("name", STAGE.uses)
+def test_a_function_that_failed_leaves_nothing_behind_and_is_tried_again(name):
+    def fails_once(*arguments):
+        if not failed:
+            failed.append(name)
+            raise RuntimeError("not yet")
+        return OWN[name](*arguments)
+
+    failed = []
+    _, seen = drive({**OWN, name: fails_once}, **PERFECT)
+    assert failed == [name] and seen.complaints == ()
+    true = np.array([(each.x, each.y) for each in SimulatedNao().field.landmarks])
+    placed = seen.overlays[STAGE.name].estimate.landmarks
+    assert np.linalg.norm(placed[:, None] - true, axis=2).min(axis=1).max() < 1e-6
 
 
 def test_nonsense_is_said_in_words():
