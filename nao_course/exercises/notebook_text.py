@@ -30,6 +30,8 @@ BEYOND = 10**9  # in place of the next released cell, after the last one
 TEXT = ("markdown", "raw")  # types of cells that do not run
 DEFINED = re.compile(r"^[ \t>]*+(?:async[ ]+)?(?:def|class)[ ]+(\w+)", re.MULTILINE)
 DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
+# The line above each cell in a script that VS Code or Jupytext has made of a notebook.
+_CELL_OF_SCRIPT = re.compile(r"^# ?%%[ \t]*+(\[markdown\])?.*\n?", re.MULTILINE)
 # A first line that keeps the cell from running as a part of the notebook.
 _MAGIC = re.compile(r"\s*+(%%(?!(?:time|timeit|capture|prun)\b)\w*)")
 
@@ -111,7 +113,12 @@ def _contents(
     """Parse a notebook; return what is graded, and all of it."""
     try:
         notebook = json.loads(decode_text(content), parse_int=_whole_number)
-        cells = [cell for cell in _cells(notebook) if cell.get("cell_type") in ("code", *TEXT)]
+        cells = [
+            part
+            for cell in _cells(notebook)
+            if cell.get("cell_type") in ("code", *TEXT)
+            for part in _cells_in(cell)
+        ]
         places = released.places(cells)
         code = [
             (released.role(cell, at), source_of(cell))
@@ -169,6 +176,20 @@ def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
     if notebook["cells"] and not any(_is_whole(cell) for cell in cells):
         raise _NotebookError("none of its cells has a type and a source; save it again with JupyterLab")
     return cells
+
+
+def _cells_in(cell: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the cells of a notebook that somebody has put as a script into one cell; of other cells, the cell."""
+    if cell["cell_type"] != "code" or stated_role(cell) or "%%" not in (source := source_of(cell)):
+        return [cell]
+    before, *parts = _CELL_OF_SCRIPT.split(source)
+    if len(parts) < 4:  # two cells, each with its kind
+        return [cell]
+    made = [{**cell, "source": before}] if before.strip() else []
+    for kind, text in zip(parts[::2], parts[1::2], strict=True):
+        text = re.sub(r"^# ?", "", text, flags=re.MULTILINE) if kind else text
+        made.append({**cell, "id": "", "cell_type": "markdown" if kind else "code", "source": text})
+    return made
 
 
 def _is_whole(cell: dict[str, Any]) -> bool:

@@ -231,7 +231,7 @@ def test_edges_without_vertices_that_give_no_whole_guess_are_refused(
         (b"# nothing\n\n", "no line begins with VERTEX_SE2"),
         (b"VERTEX_XY 1 2 3\n", "no line begins with VERTEX_SE2"),
         (b"VERTEX_SE2 0 \xff 0 0\n", "line 1: expected integers"),
-        (b"\x93NUMPY" + bytes(200), "is not text"),
+        (b"\x93NUMPY" + bytes(200) + b"1", "is not text"),
     ],
 )
 def test_what_is_no_graph_is_refused_with_its_file(tmp_path: Path, data: bytes, message: str) -> None:

@@ -69,6 +69,18 @@ def merged(own, blank, rng):
     return parts
 
 
+def as_a_script(own, blank, rng):
+    """Put all of it into one cell, as VS Code exports it."""
+    parts = []
+    for cell in own:
+        text = source_of(cell)
+        if cell["cell_type"] == "code":
+            parts.append(f"# %%\n{text}\n")
+        else:
+            parts.append("# %% [markdown]\n" + "".join(f"# {line}\n" for line in text.splitlines()))
+    return [code("\n".join(parts))]
+
+
 def names_used_again(own, blank, rng):
     names = sorted(
         each for cell in own for each in [cell["metadata"].get("nbgrader", {}).get("grade_id", "")] if each
@@ -94,6 +106,7 @@ MESS = {
     "one cell without metadata": one_without_metadata,
     "split cells": split,
     "merged cells": merged,
+    "one cell with a script": as_a_script,
     "names used again": names_used_again,
     "a blank copy and no metadata": lambda own, blank, rng: without("metadata")(own + blank, blank, rng),
 }
