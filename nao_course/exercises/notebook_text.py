@@ -179,7 +179,7 @@ def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _cells_in(cell: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the cells of a notebook that somebody has put as a script into one cell; of other cells, the cell."""
+    """Return the cells of a notebook that was put as a script into one cell; of other cells, the cell."""
     if cell["cell_type"] != "code" or stated_role(cell) or "%%" not in (source := source_of(cell)):
         return [cell]
     before, *parts = _CELL_OF_SCRIPT.split(source)

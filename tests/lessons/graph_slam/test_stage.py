@@ -19,7 +19,7 @@ PERFECT = {
 
 
 def drive(functions=OWN, steps=6, **robot):
-    """Walk and turn a little, and look after each step; the robot, and what the last look gave."""
+    """Walk and turn a little, and process a picture after each step; return the robot and the last result."""
     nao = SimulatedNao(pose=Pose(0.4, 0.3, -0.2), rng=41, **robot)
     pipeline = Pipeline([STAGE], functions, nao, time_limit=60.0)
     picture = nao.take_picture("bottom")
