@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import Result, Table, solution, write_json
-from nao_course.lessons.beyond.particles import Belief
+from nao_course.lessons.beyond.particles import ParticleBelief
 from nao_course.lessons.beyond.planning import Choose, Journey, at_random, in_a_circle, journey, straight_on
 from nao_course.lessons.beyond.recorded import MOVES
 from nao_course.metrics import band
@@ -91,4 +91,4 @@ def _summed_up(journeys: list[Journey]) -> dict[str, Any]:
 
 def _nees(each: Journey) -> float:
     last = each.estimates[-1]
-    return Belief(last.pose.as_array(), last.covariance).nees(each.truth[-1])
+    return ParticleBelief(last.pose.as_array(), last.covariance).nees(each.truth[-1])

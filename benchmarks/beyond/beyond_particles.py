@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks import Result, Table, solution, write_json
 from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.lessons.beyond.figures import START, lap
-from nao_course.lessons.beyond.particles import Belief, FastSlam, run_fast_slam
+from nao_course.lessons.beyond.particles import FastSlam, ParticleBelief, run_fast_slam
 from nao_course.lessons.beyond.recorded import PARTICLES
 from nao_course.lessons.beyond.worlds import SENSOR
 from nao_course.lessons.localization.consistency import median_band
@@ -58,7 +58,7 @@ def filtered(functions: Mapping[str, Any], steps: Sequence[Step]) -> tuple[list[
         if step.motion is not None:
             slam.move(step.control, step.control_covariance)
         slam.observe(step.numbers, step.measurements, step.covariances)
-        belief = Belief(slam.state[:3], slam.covariance[:3, :3])
+        belief = ParticleBelief(slam.state[:3], slam.covariance[:3, :3])
         errors.append(float(np.hypot(*belief.error(step.pose)[:2])))
         nees.append(belief.nees(step.pose))
     return errors, nees

@@ -24,7 +24,7 @@ from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import JointFilter, JointUpdate
 from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.observation import Observation
-from nao_course.field_slam.walk import FIELD, PITCH_OFFSET, Frame, real_walk, walk_view
+from nao_course.field_slam.walk import FIELD, PITCH_OFFSET, WalkFrame, real_walk, walk_view
 from nao_course.geometry import FloatArray, Pose, pose_errors
 from nao_course.metrics import squared_distances
 from nao_course.plotting import course_style, plot_estimate, plot_field, plot_path
@@ -116,7 +116,7 @@ class Walked:
     measured_error: FloatArray
     nees: float
     estimate: Estimate
-    frames: Sequence[Frame]
+    frames: Sequence[WalkFrame]
     path: Sequence[Pose]
 
     @property
@@ -160,7 +160,7 @@ def walk(
     return Walked(error, measured_error, nees, end, frames, path)
 
 
-def _error(estimate: Estimate, frame: Frame) -> FloatArray:
+def _error(estimate: Estimate, frame: WalkFrame) -> FloatArray:
     return pose_errors(estimate.pose.as_array(), frame.pose.as_array())
 
 
@@ -183,7 +183,7 @@ def summary(walks: Sequence[Walked]) -> dict[str, float]:
     } | ({"NEES median": nees} if np.isfinite(nees) else {})
 
 
-def compass_readings(frames: Sequence[Frame], seen: Sequence[Observation]) -> tuple[int, int]:
+def compass_readings(frames: Sequence[WalkFrame], seen: Sequence[Observation]) -> tuple[int, int]:
     """Return the number of pictures with a compass reading, and how many of these readings are off course."""
     away = np.array(
         [wrap_quarter(-of.direction - frame.pose.theta) for frame, of in zip(frames, seen, strict=True)]
@@ -252,7 +252,7 @@ def from_assumed_views(
 def calibrated_on(functions: Functions, pictures: Sequence[RealPicture]) -> CameraCalibration:
     """Return the calibration after some pictures in their order, from whatever poses."""
     calibration = CameraCalibration()
-    frames = (Frame(None, each.pixels, walk_view(each), each.pose, calibrated=False) for each in pictures)
+    frames = (WalkFrame(None, each.pixels, walk_view(each), each.pose, calibrated=False) for each in pictures)
     list(see_all(functions, frames, calibration))
     return calibration
 

@@ -21,7 +21,7 @@ from nao_course.field_slam.demo import report
 from nao_course.field_slam.drives import Shot, drive_over_field
 from nao_course.field_slam.lines import corners_of_lines
 from nao_course.field_slam.observation import tilted
-from nao_course.field_slam.walk import Frame
+from nao_course.field_slam.walk import WalkFrame
 from nao_course.geometry import FloatArray
 from nao_course.metrics import PointMatch, match_points, total
 from nao_course.sim import Field
@@ -104,7 +104,7 @@ def field_results(name: str, seeds: Sequence[int] = SEEDS) -> dict[str, Any]:
     pictures, stories = [], []
     for seed in seeds:
         shots = list(drive_over_field(seed, field=field))
-        frames = [Frame(each.motion, each.picture.pixels, each.picture.view, each.pose) for each in shots]
+        frames = [WalkFrame(each.motion, each.picture.pixels, each.picture.view, each.pose) for each in shots]
         stories.append(demo.run_demo(functions, frames, ["ekf"], rules=field.dimensions))
         pictures.append(detections(functions, field, shots))
     found = {kind: _rates([match for each in pictures for match in each[kind]]) for kind in pictures[0]}

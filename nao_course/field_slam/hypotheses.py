@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import logsumexp
 
-from nao_course.field_slam.joint_update import JointUpdate, Scene
+from nao_course.field_slam.joint_update import JointUpdate, LineObservation
 from nao_course.field_slam.likelihood import Part, PictureLikelihood
 from nao_course.field_slam.observation import Observation, as_observation
 from nao_course.geometry import FloatArray, wrap_angle
@@ -134,7 +134,7 @@ def without(seen: Observation, parts: Collection[Part]) -> Observation:
     """Return an observation without some of its parts."""
     if "landmarks" in parts:
         seen = seen.part([])
-    if "lines" in parts and isinstance(seen, Scene):
+    if "lines" in parts and isinstance(seen, LineObservation):
         seen = replace(seen, lines=np.zeros((0, 3)), circle=None)
     return replace(seen, direction_sigma=float("inf")) if "compass" in parts else seen
 

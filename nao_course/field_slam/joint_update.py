@@ -55,7 +55,7 @@ INTERNAL: Final = "internal"
 
 
 @dataclass(frozen=True, eq=False)
-class Scene(Observation):
+class LineObservation(Observation):
     """An observation with the lines and the centre circle of its picture.
 
     `shared` (2,) is the covariance of pitch and roll with the lines' direction, rad^2. Each of the lines (N, 3) is its
@@ -69,7 +69,7 @@ class Scene(Observation):
 
 def scene(
     seen: Observation, tilt: BodyTilt, lines: FloatArray, level: CameraView, radius: float = RADIUS
-) -> Scene:
+) -> LineObservation:
     """Add the lines and the centre circle to the landmarks of a picture.
 
     The compass of `seen` was computed with this tilt, and `level` is the view corrected by it. The lines (N, 4) come
@@ -78,11 +78,13 @@ def scene(
     """
     own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
     found = field_lines(lines, tilt, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
-    return Scene(**own, shared=tilt.covariance[:2, 2], lines=found, circle=find_circle(lines, level, radius))
+    return LineObservation(
+        **own, shared=tilt.covariance[:2, 2], lines=found, circle=find_circle(lines, level, radius)
+    )
 
 
 def field_lines(lines: FloatArray, tilt: BodyTilt, level: CameraView) -> FloatArray:
-    """Return the lines that have one of the field's two directions, as `Scene.lines`."""
+    """Return the lines that have one of the field's two directions, as `LineObservation.lines`."""
     ends = np.asarray(lines, dtype=float).reshape(-1, 4)
     ground = to_ground(ends.reshape(-1, 2), level).reshape(-1, 2, 2) + level.offset
     along = ground[:, 1] - ground[:, 0]
@@ -176,7 +178,7 @@ class JointUpdate(SlamAlgorithm):
         self.inner.move(motion)
 
     def observe(self, measurements: Sequence[Measurement], quarter: int = 0) -> None:
-        """Update with a picture; a `Scene` also has lines and the centre circle.
+        """Update with a picture; a `LineObservation` also has lines and the centre circle.
 
         The heading differs by `quarter` quarter turns from the nearest heading of the compass.
         """
@@ -194,7 +196,7 @@ class JointUpdate(SlamAlgorithm):
         numbers = np.asarray(self.inner.indices, dtype=int)
         landmarks = landmark_log_densities(seen, (numbers >= 0) & (numbers < on_map))
         found, lines = [self._landmarks(seen, on_map)], (0.0, 0.0)
-        if isinstance(seen, Scene):
+        if isinstance(seen, LineObservation):
             used: set[int] = set()
             on_map = len(self.inner.kinds)
             of_lines = [self._line(line, seen.tilt, on_map, used) for line in seen.lines]
@@ -360,7 +362,7 @@ class JointUpdate(SlamAlgorithm):
         )
         H = np.vstack([np.pad(each.H, ((0, 0), (0, size - each.H.shape[1]))) for each in found])
         R = block_diag(*(each.own for each in found)) + J @ seen.tilt @ J.T
-        if np.isfinite(seen.direction_sigma) and isinstance(seen, Scene):
+        if np.isfinite(seen.direction_sigma) and isinstance(seen, LineObservation):
             # The sign: a tilt that was estimated too small makes the innovation too large.
             shared = -J @ seen.shared
             share = shared / seen.direction_sigma**2

@@ -31,7 +31,7 @@ OUTLIER = (
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class WalkFrame:
     """A picture with the motion before it and the assumed view of the camera; the true pose serves for scores only.
 
     The motion is commanded or measured by odometry, and None if the robot only turned its head. The pixels (H, W, 3)
@@ -47,7 +47,9 @@ class Frame:
     calibrated: bool = True
 
 
-def real_walk(pictures: Sequence[RealPicture], seed: int, marked_headings: bool = True) -> Iterator[Frame]:
+def real_walk(
+    pictures: Sequence[RealPicture], seed: int, marked_headings: bool = True
+) -> Iterator[WalkFrame]:
     """Yield the pictures of a real walk; the odometry is the true steps with errors of `OdometryNoisePerMove`.
 
     The views follow from the head's joints and are not calibrated. With `marked_headings`, the true headings are
@@ -61,7 +63,7 @@ def real_walk(pictures: Sequence[RealPicture], seed: int, marked_headings: bool 
         if marked_headings:
             lower = replace(view, pitch=view.pitch + PITCH_OFFSET)
             pose = replace(pose, theta=marked_heading(picture, lower, pose))
-        yield Frame(
+        yield WalkFrame(
             _step(before, pose, odometry, rng), picture.pixels, view, pose, FARTHEST, calibrated=False
         )
         before = pose

@@ -6,7 +6,7 @@ import pytest
 from benchmarks.field.own_fields import NEAR, Match, _match, _rates, ends, field_results
 from nao_course.field_slam.demo.drive import FARTHEST, Story
 from nao_course.field_slam.drives import drive_over_field
-from nao_course.field_slam.walk import Frame
+from nao_course.field_slam.walk import WalkFrame
 from nao_course.geometry import Pose
 from nao_course.sim import Field
 from nao_course.slam import Estimate
@@ -42,7 +42,7 @@ def test_true_landmarks_are_hits_and_a_point_beside_them_is_false(kind):
 
 
 def test_the_errors_are_measured_at_the_end_of_the_drives():
-    frame = Frame(None, None, None, Pose(1.0, 0.0, 0.0))
+    frame = WalkFrame(None, None, None, Pose(1.0, 0.0, 0.0))
     off = Estimate(Pose(1.3, 0.4, 0.0), np.eye(3), [[3.0, 0.7]], [np.eye(2)], ("post",))
     story = Story([frame], [], [Pose(1.0, 0.6, 0.0)], {"ekf": [off]}, [0.0], {"ekf": [0.0]})
     found = ends([story], Field(2012))

@@ -12,7 +12,7 @@ from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import wrap_quarter
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.hypotheses import MOST, Hypothesis, MultipleHypotheses, without
-from nao_course.field_slam.joint_update import JointUpdate, Scene
+from nao_course.field_slam.joint_update import JointUpdate, LineObservation
 from nao_course.field_slam.likelihood import (
     CIRCLES,
     IGNORED,
@@ -34,13 +34,13 @@ TWIN = (2.0, 0.95)  # a corner that is not on the map, near a corner of the map
 STEP = Motion(0.3, 0.0)
 
 
-def seen_from(pose: Pose, corners=CORNERS, compass=float("inf"), lines=()) -> Scene:
+def seen_from(pose: Pose, corners=CORNERS, compass=float("inf"), lines=()) -> LineObservation:
     """Return what a robot without errors sees, with the stated covariance."""
     found = [Measurement(*range_and_bearing(pose.as_array(), at), "corner") for at in corners]
     seen = observation(
         found, (1e-3, 1e-3), direction=float(wrap_quarter(-pose.theta)), direction_sigma=compass
     )
-    return Scene(
+    return LineObservation(
         seen.measurements,
         seen.covariance,
         seen.direction,

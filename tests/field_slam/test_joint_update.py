@@ -14,7 +14,7 @@ from nao_course.field_slam.joint_update import (
     INTERNAL,
     JointUpdate,
     LinearisedMeasurement,
-    Scene,
+    LineObservation,
     field_lines,
     scene,
 )
@@ -43,7 +43,7 @@ def pieces(pose: Pose, number: int = 12, length: float = 0.12, part: float = 2 *
     return np.hstack(ends)[inside]
 
 
-def exact(pose: Pose, sigma: float = 1e-3, lines=None, centre=True) -> Scene:
+def exact(pose: Pose, sigma: float = 1e-3, lines=None, centre=True) -> LineObservation:
     """What a robot that makes no error sees of all lines x = c and y = c, and of the circle."""
     rows = []
     for axis, c in lines if lines is not None else ((0, 3.0), (1, 2.0), (0, 0.0)):
@@ -53,7 +53,7 @@ def exact(pose: Pose, sigma: float = 1e-3, lines=None, centre=True) -> Scene:
         rows.append([*pose.to_local(foot)[0], direction])
     circle = Circle(pose.to_local(np.zeros((1, 2)))[0], np.zeros((2, 2))) if centre else None
     seen = observation([], (1e-4, 1e-4), direction=float(wrap_quarter(-pose.theta)), direction_sigma=sigma)
-    return Scene(
+    return LineObservation(
         seen.measurements, seen.covariance, seen.direction, sigma, seen.tilt,
         lines=np.array(rows).reshape(-1, 3), circle=circle,
     )  # fmt: skip
@@ -225,7 +225,7 @@ def test_compass_and_places_together_are_one_update_with_all_they_share(slam):
     left = LinearisedMeasurement(
         nu - H @ (mine.inner.state - x0), H, own, J, "landmarks", np.full(len(nu), True)
     )
-    seen = Scene((), np.zeros((0, 0)), direction, sigma, T, shared=shared)
+    seen = LineObservation((), np.zeros((0, 0)), direction, sigma, T, shared=shared)
     mine._correct([left], seen)
     all_H = np.vstack([[0.0, 0.0, -1.0], H])
     R = np.zeros((5, 5))
@@ -329,7 +329,7 @@ def test_a_new_line_does_not_hide_one_that_is_known(slam):
 # --- one tilt moves all measurements ---
 
 
-def seen_by_tilted(pose: Pose, tilt, marks, line=None, circle=False) -> Scene:
+def seen_by_tilted(pose: Pose, tilt, marks, line=None, circle=False) -> LineObservation:
     """Measure corners, a line or the circle from a body that is tilted (pitch, roll; rad) but assumed to be upright."""
     camera = tilted(VIEW, *tilt)
 
@@ -360,7 +360,7 @@ def with_map(slam, pose: Pose, marks, rest, axis):
     return mine
 
 
-def ends_off(mine, seen: Scene, pose: Pose) -> float:
+def ends_off(mine, seen: LineObservation, pose: Pose) -> float:
     """Metres from the truth after a picture."""
     mine.observe(seen)
     found = mine.estimate().pose

@@ -10,7 +10,7 @@ import pytest
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import QUARTER, wrap_quarter
 from nao_course.field_slam.drives import OdometryNoisePerMove
-from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, Scene
+from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, LineObservation
 from nao_course.field_slam.kidnapping import recovery
 from nao_course.field_slam.kidnapping.grid import CELL, PoseGrid, compass_likelihood
 from nao_course.field_slam.kidnapping.likelihood import KnownMap, StopView, log_likelihood
@@ -316,7 +316,7 @@ def test_a_line_and_the_circle_tell_the_position_across_them():
     pose, R = Pose(1.3, 0.2, 0.4), np.diag([1e-4, 1e-4])
     foot, centre = pose.to_local(np.array([[3.0, 0.2], [0.0, 0.0]]))
     lines = np.array([[*foot, np.pi / 2 - pose.theta]])
-    seen = Scene(
+    seen = LineObservation(
         (), np.zeros((0, 0)), float(wrap_quarter(-pose.theta)), 0.01, R, lines=lines,
         circle=Circle(centre, np.zeros((2, 2))),
     )  # fmt: skip
@@ -337,9 +337,9 @@ def test_a_line_and_the_circle_tell_the_position_across_them():
 
 
 def test_a_line_that_two_pictures_show_counts_once_and_a_parallel_line_counts_too():
-    def scene(*places: float, tilt: float) -> Scene:
+    def scene(*places: float, tilt: float) -> LineObservation:
         lines = np.array([(x, 0.3, np.pi / 2) for x in places])
-        return Scene((), np.zeros((0, 0)), 0.0, 0.01, tilt * np.eye(2), lines=lines)
+        return LineObservation((), np.zeros((0, 0)), 0.0, 0.01, tilt * np.eye(2), lines=lines)
 
     stop = StopView.of([scene(1.02, tilt=1e-3), scene(1.0, 1.5, tilt=1e-5)])
     assert sorted(stop.lines[:, 0]) == [1.0, 1.5]
@@ -428,7 +428,7 @@ def test_the_map_of_a_filter_is_its_points_and_lines(joint):
     foot = pose.to_local(np.array([[3.0, 0.1]]))[0]
     seen = pictures(pose)
     slam.observe(
-        Scene(
+        LineObservation(
             seen.measurements, seen.covariance, 0.0, 1e-3, seen.tilt, lines=np.array([[*foot, np.pi / 2]]),
             circle=Circle(pose.to_local(np.zeros((1, 2)))[0], np.zeros((2, 2))),
         )

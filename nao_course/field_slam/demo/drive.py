@@ -23,7 +23,7 @@ from nao_course.field_slam.known_shapes.white_posts import as_goal_colour
 from nao_course.field_slam.lines import corners_of_lines, read_lines
 from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observation, observation, tilted
 from nao_course.field_slam.surest_first import SurestFirst
-from nao_course.field_slam.walk import Frame, real_walk
+from nao_course.field_slam.walk import WalkFrame, real_walk
 from nao_course.geometry import FloatArray, Pose
 from nao_course.sim import DIMENSIONS, CameraView, Field, FieldDimensions
 from nao_course.slam import Estimate, SlamAlgorithm
@@ -50,7 +50,7 @@ class Story:
     the seconds of each algorithm from a stop's observations to its estimate, divided by the number of pictures.
     """
 
-    frames: list[Frame] = field(default_factory=list)
+    frames: list[WalkFrame] = field(default_factory=list)
     seen: list[Observation] = field(default_factory=list)
     odometry: list[Pose] = field(default_factory=list)
     estimates: dict[str, list[Estimate]] = field(default_factory=dict)
@@ -63,15 +63,15 @@ class Story:
         return [frame.pose for frame in self.frames]
 
 
-def simulated(seed: int, moves: int, field: Field | None = None) -> Iterator[Frame]:
+def simulated(seed: int, moves: int, field: Field | None = None) -> Iterator[WalkFrame]:
     """Render a drive over a field; see `drive_over_field`."""
     for shot in drive_over_field(seed, moves=moves, field=field):
-        yield Frame(shot.motion, shot.picture.pixels, shot.picture.view, shot.pose)
+        yield WalkFrame(shot.motion, shot.picture.pixels, shot.picture.view, shot.pose)
 
 
 def route(
     seed: int, walk: Path | None = None, field: Path | None = None
-) -> tuple[Iterator[Frame], int, Field]:
+) -> tuple[Iterator[WalkFrame], int, Field]:
     """Return the pictures of a drive or walk, their number, and the field.
 
     `walk`, a folder with ``amsterdam_2013`` or of the walk itself, replaces the simulated drive by real pictures.
@@ -99,7 +99,7 @@ class Detections(NamedTuple):
 class Seen(NamedTuple):
     """A picture with its observation, and the time in seconds from its pixels to the observation."""
 
-    frame: Frame
+    frame: WalkFrame
     observation: Observation
     seconds: float
 
@@ -123,7 +123,7 @@ def see(
 
 def see_all(
     functions: Functions,
-    frames: Iterable[Frame],
+    frames: Iterable[WalkFrame],
     calibration: CameraCalibration | None = None,
     joint: bool = False,
     rules: FieldDimensions = RULES,
@@ -134,7 +134,7 @@ def see_all(
     certain enough, or when there is no further picture. `calibration` is updated; `joint` is as in `see`.
     """
     calibration = calibration or CameraCalibration()
-    waiting: list[tuple[Frame, Detections, float]] = []
+    waiting: list[tuple[WalkFrame, Detections, float]] = []
     for frame in frames:
         began = time.perf_counter()
         view = frame.view if frame.calibrated else calibration.reading_view(frame.view)
@@ -164,7 +164,7 @@ def detect(
 
 def _measured(
     functions: Functions,
-    frame: Frame,
+    frame: WalkFrame,
     found: Detections,
     seconds: float,
     calibration: CameraCalibration,
@@ -223,7 +223,7 @@ def demo_functions(slam: Sequence[str], notebooks: Path) -> Functions:
 
 def run_demo(
     functions: Functions,
-    frames: Iterable[Frame],
+    frames: Iterable[WalkFrame],
     slam: Sequence[str],
     joint: bool = False,
     rules: FieldDimensions = RULES,

@@ -15,7 +15,13 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.field_slam.compass import wrap_quarter
-from nao_course.field_slam.joint_update import CENTRE_SIGMA, INTERNAL, LINE_SIGMA, JointUpdate, Scene
+from nao_course.field_slam.joint_update import (
+    CENTRE_SIGMA,
+    INTERNAL,
+    LINE_SIGMA,
+    JointUpdate,
+    LineObservation,
+)
 from nao_course.field_slam.observation import Observation, picture_covariance, values_of
 from nao_course.geometry import FloatArray, rotation_2d, wrap_angle
 from nao_course.slam import LandmarkKind, Measurement
@@ -69,7 +75,7 @@ class StopView:
             points.append(at)
             covariances.append(spread)
             kinds += [each.kind for each in seen]
-            if not isinstance(seen, Scene):
+            if not isinstance(seen, LineObservation):
                 continue
             if seen.circle is not None:
                 J = seen.circle.tilt_jacobian

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose, wrap_angle
-from nao_course.lessons.beyond.particles import FastSlam, Run, anywhere, find_itself, run_fast_slam
+from nao_course.lessons.beyond.particles import FastSlam, ParticleRun, anywhere, find_itself, run_fast_slam
 from nao_course.lessons.beyond.planning import Journey, at_random, journey
 from nao_course.lessons.beyond.worlds import FIELD, KINDS, LANDMARKS, drive
 from nao_course.plotting import (
@@ -143,7 +143,7 @@ def draw_finding(weigh: Function, resample: Function) -> Drawing:
     return Drawing(figure, f"Two thousand particles on the half field and the true robot: {'; '.join(said)}.")
 
 
-def depleted(update_particle_landmark: Function, resample: Function, n: int) -> Run:
+def depleted(update_particle_landmark: Function, resample: Function, n: int) -> ParticleRun:
     """Run FastSLAM with n particles on one drive, with a student's functions."""
     slam = FastSlam(START, update_particle_landmark, resample, n, np.random.default_rng([SLAM_SEED, n]))
     return run_fast_slam(slam, lap(SLAM_SEED, SLAM_MOVES))

@@ -174,7 +174,7 @@ def find_itself(
 
 
 @dataclass(frozen=True)
-class Belief:
+class ParticleBelief:
     """Estimate of a pose: mean (3,) and covariance (3, 3), in m and rad."""
 
     pose: FloatArray
@@ -235,14 +235,14 @@ class FastSlam:
         """Weights of the particles (n,), with sum 1."""
         return normalised(self.logs)
 
-    def belief(self) -> Belief:
+    def belief(self) -> ParticleBelief:
         """Return mean and covariance of the particles' poses."""
         weights = self.weights
         mean = weights @ self.poses
         mean[2] = np.arctan2(weights @ np.sin(self.poses[:, 2]), weights @ np.cos(self.poses[:, 2]))
         off = self.poses - mean
         off[:, 2] = wrap_angle(off[:, 2])
-        return Belief(mean, (weights[:, None] * off).T @ off)
+        return ParticleBelief(mean, (weights[:, None] * off).T @ off)
 
     def correct(self, number: int, seen: FloatArray) -> None:
         """Update a landmark in each particle, one after another; a benchmark overrides this with a faster version."""
@@ -274,7 +274,7 @@ class FastSlam:
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class ParticleRun:
     """Errors of an algorithm on a drive of S steps: of the position, in m, and the NEES of the pose, each (S,).
 
     FastSLAM adds the number of initial particles with descendants and the effective number of particles, each (S,), and
@@ -288,7 +288,7 @@ class Run:
     paths: FloatArray
 
 
-def run_fast_slam(slam: FastSlam, steps: Iterable[Step]) -> Run:
+def run_fast_slam(slam: FastSlam, steps: Iterable[Step]) -> ParticleRun:
     """Run FastSLAM along a drive."""
     rows = []
     for step in steps:
@@ -305,4 +305,4 @@ def run_fast_slam(slam: FastSlam, steps: Iterable[Step]) -> Run:
             )
         )
     errors, nees, ancestors, count = np.array(rows).T
-    return Run(errors, nees, ancestors, count, slam.paths)
+    return ParticleRun(errors, nees, ancestors, count, slam.paths)

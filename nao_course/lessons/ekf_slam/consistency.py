@@ -59,7 +59,7 @@ def field_drive(seed: int, sigmas: Sigmas = NOMINAL, laps: int = LAPS, view: Fie
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
+class FilterTrace:
     """Pose errors (M, 3) of a filter along a drive, with wrapped headings, and their covariances (M, 3, 3).
 
     `nis` (K,) is the normalised innovation squared per degree of freedom of each update; it is empty unless requested.
@@ -75,7 +75,7 @@ class Trace:
         return squared_distances(self.errors, self.covariances)
 
 
-def follow(drive: Drive, functions: Functions, with_nis: bool = False) -> Trace:
+def follow(drive: Drive, functions: Functions, with_nis: bool = False) -> FilterTrace:
     """Run a filter along a drive: predict, update with the landmarks on the map, then add the others.
 
     `functions` are predict, update_landmarks and add_landmark. The drive's measurements come with the landmarks'
@@ -93,7 +93,7 @@ def follow(drive: Drive, functions: Functions, with_nis: bool = False) -> Trace:
         slam.observe(step.numbers, step.measurements, step.covariances)
         errors.append(pose_errors(slam.state[:3], step.pose))
         covariances.append(slam.covariance[:3, :3])
-    return Trace(np.array(errors), np.array(covariances), np.array(nis))
+    return FilterTrace(np.array(errors), np.array(covariances), np.array(nis))
 
 
 # --- filters to compare ---
@@ -141,7 +141,7 @@ def compare(
     runs: int = RUNS,
     variants: Sequence[str] = tuple(VARIANTS),
     with_nis: bool = False,
-) -> dict[str, list[Trace]]:
+) -> dict[str, list[FilterTrace]]:
     """Run variants of a student's filter along the same drives.
 
     Parameters
@@ -159,7 +159,7 @@ def compare(
 
     Returns
     -------
-    dict of str to list of Trace
+    dict of str to list of FilterTrace
         One trace for each drive.
     """
     functions = (predict, update_landmarks, add_landmark)
@@ -172,18 +172,18 @@ def compare(
 # --- figures ---
 
 
-def mean_nees(traces: Sequence[Trace]) -> float:
+def mean_nees(traces: Sequence[FilterTrace]) -> float:
     """Return the mean NEES over all drives and steps."""
     return float(np.mean([trace.nees for trace in traces]))
 
 
 @course_style()
-def draw_consistency(found: Mapping[str, Sequence[Trace]]) -> Drawing:
+def draw_consistency(found: Mapping[str, Sequence[FilterTrace]]) -> Drawing:
     """Draw the mean NEES of each step over many drives, with the band of a consistent filter.
 
     Parameters
     ----------
-    found : mapping of str to sequence of Trace
+    found : mapping of str to sequence of FilterTrace
         Result of `compare`.
 
     Returns

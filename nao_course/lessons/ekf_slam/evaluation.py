@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from nao_course._internal.personal_world import PersonalWorld
 from nao_course.geometry import FloatArray
 from nao_course.lessons.ekf_slam.ablations import Ablation
-from nao_course.lessons.ekf_slam.film import Film
+from nao_course.lessons.ekf_slam.film import FilterFilm
 from nao_course.lessons.ekf_slam.homework_log import (
     OWN_SIGMAS,
     LogRun,
@@ -43,12 +43,12 @@ def first_lines(lines: int = 5) -> str:
     return "\n".join("  ".join(f"{value:.2f}" for value in row) for row in rows[:lines])
 
 
-def distances_table(film: Film, evaluate_landmarks: Function) -> Table:
+def distances_table(film: FilterFilm, evaluate_landmarks: Function) -> Table:
     """Compare the landmarks of a film with the true ones in a table.
 
     Parameters
     ----------
-    film : Film
+    film : FilterFilm
         Film of the lesson's own log.
     evaluate_landmarks : callable
         The student's functions.
@@ -135,7 +135,7 @@ def draw_nis(init_landmarks: Function, predict: Function, update: Function) -> D
 # --- the gain ---
 
 
-def traces_by_gain(film: Film) -> tuple[FloatArray, FloatArray]:
+def traces_by_gain(film: FilterFilm) -> tuple[FloatArray, FloatArray]:
     """Return summed variances (m^2) of position and landmarks after one update, for 41 gains from 0 to 2 K."""
     state, P = film.run.predicted_states[0], film.run.predicted_covariances[0]
     log, R = own_log(), OWN_SIGMAS.measurement_covariance
@@ -158,12 +158,12 @@ def traces_by_gain(film: Film) -> tuple[FloatArray, FloatArray]:
 
 
 @course_style()
-def draw_gain(film: Film) -> Drawing:
+def draw_gain(film: FilterFilm) -> Drawing:
     """Draw the variances after an update by the part of the Kalman gain that is used, and mark the student's update.
 
     Parameters
     ----------
-    film : Film
+    film : FilterFilm
         Film of the lesson's own log, by the student's functions.
 
     Returns

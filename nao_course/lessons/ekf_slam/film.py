@@ -55,7 +55,7 @@ HEADING = 0.05  # length of the heading line as a part of the map's width
 
 
 @dataclass(frozen=True, eq=False)
-class Film:
+class FilterFilm:
     """Frames of a run: 0 is the start, 2 n - 1 the prediction and 2 n the update of step n.
 
     The true landmarks (k, 2) are in m.
@@ -77,11 +77,11 @@ class Film:
         return step, run.states[step], run.covariances[step]
 
 
-def record_film(init_landmarks: Function, predict: Function, update: Function) -> Film:
+def record_film(init_landmarks: Function, predict: Function, update: Function) -> FilterFilm:
     """Run the lesson's own log with a student's functions, initialised as in the homework."""
     log = own_log()
     start = homework_start(log, init_landmarks, OWN_SIGMAS)
-    return Film(run_log(log, start, predict, update, OWN_SIGMAS), record_pentagon().landmarks)
+    return FilterFilm(run_log(log, start, predict, update, OWN_SIGMAS), record_pentagon().landmarks)
 
 
 def correlations(covariance: npt.ArrayLike) -> FloatArray:
@@ -103,7 +103,7 @@ def between_landmarks(covariance: npt.ArrayLike) -> float:
     return float(np.mean([matrix[axis::2, axis::2][different].mean() for axis in (0, 1)]))
 
 
-def plot_half_step(ax: Axes, film: Film, frame: int) -> None:
+def plot_half_step(ax: Axes, film: FilterFilm, frame: int) -> None:
     """Plot one half step of a film as a map with all ellipses so far; the axes are the same for every half step."""
     run, (step, state, _) = film.run, film.at(frame)
     landmarks = [
@@ -169,7 +169,7 @@ def plot_blocks(ax: Axes, matrix: FloatArray) -> Any:
     return image
 
 
-def say_frame(film: Film, frame: int) -> str:
+def say_frame(film: FilterFilm, frame: int) -> str:
     """Describe one half step in words."""
     step, state, covariance = film.at(frame)
     when = (
@@ -186,7 +186,7 @@ def say_frame(film: Film, frame: int) -> str:
 
 
 @course_style()
-def draw_frames(film: Film, frames: Sequence[int] | None = None) -> Drawing:
+def draw_frames(film: FilterFilm, frames: Sequence[int] | None = None) -> Drawing:
     """Draw some half steps of a film, each with its correlations below.
 
     By default they are the start, the first update, the middle and the end.

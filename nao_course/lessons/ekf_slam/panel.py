@@ -14,7 +14,7 @@ from nao_course.lessons.ekf_slam.film import (
     KEYS,
     PREDICTED,
     UPDATED,
-    Film,
+    FilterFilm,
     correlations,
     draw_frames,
     record_film,
@@ -22,10 +22,10 @@ from nao_course.lessons.ekf_slam.film import (
 )
 from nao_course.plotting.style import STYLES
 from nao_course.sim.drives import landmark_blocks
-from nao_course.widgets.vector_map import FilmPanel as Panel
+from nao_course.widgets.vector_map import VectorFilmPanel
 
 
-class FilmPanel(Panel):
+class FilmPanel(VectorFilmPanel):
     """Film of the log, computed once with your functions and then played.
 
     Parameters
@@ -51,11 +51,11 @@ class FilmPanel(Panel):
         )
 
 
-def _recorded(student: Any) -> Film:
+def _recorded(student: Any) -> FilterFilm:
     return record_film(student.init_landmarks, student.predict, student.update)
 
 
-def browser_film(film: Film) -> films.Film:
+def browser_film(film: FilterFilm) -> films.Film:
     """Return a run as a film for the browser, with two frames for each step: the prediction and the update."""
     frames = [film.at(number) for number in range(film.last + 1)]
     robots = [(state[None, :2], covariance[None, :2, :2]) for _, state, covariance in frames]

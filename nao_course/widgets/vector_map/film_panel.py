@@ -44,7 +44,7 @@ class FilmWidget(anywidget.AnyWidget):
     film = traitlets.Dict().tag(sync=True)
 
 
-class FilmPanel:
+class VectorFilmPanel:
     """A film that a student's functions record once; the browser then plays it without Python.
 
     If a cell defines a function again, the next press of Play records the film again.

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from nao_course.cli import app
 from nao_course.field_slam.demo import drive, film, report
-from nao_course.field_slam.walk import Frame
+from nao_course.field_slam.walk import WalkFrame
 from nao_course.geometry import Pose
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.sim import NAO_V4, Field, Reality, render
@@ -38,8 +38,8 @@ FUNCTIONS = {
 
 def frames():
     view, picture = NAO_V4.view("bottom", 0.0, -0.54), np.zeros((240, 320, 3), np.uint8)
-    yield Frame(None, picture, view, Pose(1.0, 0.0, 0.0))
-    yield Frame(Motion(0.5, 0.2), picture, view, Pose(1.4, 0.0, 0.1))
+    yield WalkFrame(None, picture, view, Pose(1.0, 0.0, 0.0))
+    yield WalkFrame(Motion(0.5, 0.2), picture, view, Pose(1.4, 0.0, 0.1))
 
 
 def test_the_demo_drives_and_says_how_far_off_it_ends():
@@ -60,7 +60,7 @@ def rendered(number, offset):
         pixels, _ = render(
             Field(2012), pose, replace(assumed, pitch=assumed.pitch + offset), Reality.lab(3), rng
         )
-        yield Frame(None, pixels, assumed, pose, calibrated=False)
+        yield WalkFrame(None, pixels, assumed, pose, calibrated=False)
 
 
 def test_with_the_joint_update_the_ekf_uses_lines_and_its_map_has_only_corners_and_posts():

@@ -5,8 +5,8 @@ import pytest
 
 from nao_course.lessons.beyond.figures import LAP, START, lap
 from nao_course.lessons.beyond.particles import (
-    Belief,
     FastSlam,
+    ParticleBelief,
     chosen,
     effective,
     log_weights,
@@ -136,7 +136,9 @@ def test_without_noise_the_filter_on_named_landmarks_is_exact(ekf, still):
         if step.motion is not None:
             slam.move(step.control, step.control_covariance)
         slam.observe(step.numbers, step.measurements, step.covariances)
-        assert np.allclose(Belief(slam.state[:3], slam.covariance[:3, :3]).error(step.pose), 0, atol=1e-9)
+        assert np.allclose(
+            ParticleBelief(slam.state[:3], slam.covariance[:3, :3]).error(step.pose), 0, atol=1e-9
+        )
     assert np.allclose(slam.state[3:].reshape(-1, 2), LANDMARKS[slam.known], atol=1e-9)
     assert np.linalg.eigvalsh(slam.covariance).min() > -1e-12
 
