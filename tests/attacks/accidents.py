@@ -480,7 +480,6 @@ REFUSED: dict[str, Callable[[str], str | bytes] | tuple[Callable[[str], str | by
     "truncated": lambda text: text[:-200],
     "truncated_in_an_output": lambda text: text[: 2 * 2**20 + 100_000],
     "two_documents": lambda text: text + text,
-    "zeros_at_the_end": lambda text: text + "\0" * 10**6,
     "zeros_only": lambda _: bytes(3 * 2**20),
     "comments": lambda text: "// notes\n" + text,
     "line_ends_in_texts": raw(lambda: '"a\nb"'),
@@ -505,6 +504,7 @@ LARGE = (
       for each in ODD_NOTEBOOKS if each.edit and each.name in ALSO_LARGE),
     *(large(name, text=each[0], honest={}, says=each[1]) if isinstance(each, tuple)
       else large(name, text=each, honest={}, says=FORMAT) for name, each in REFUSED.items()),
+    large("zeros_at_the_end", text=lambda text: text + "\0" * 10**6),
     large("utf_8_bom", text=lambda text: text.encode("utf-8-sig")),
     large("old_mac_lines", text=lambda text: json.dumps(json.loads(text), indent=1).replace("\n", "\r")),
     large("constants", text=raw(lambda: "NaN, Infinity, -Infinity, -0, 1e999, 1E-999, -0.0")),
