@@ -318,7 +318,8 @@ class _Loading:
         for name in names:
             if name in self.exercises and name in self.functions:
                 needs = self.program.needed_by([name], without=self.exercises)
-                self.at_check[name] = {each: self.namespace[each] for each in needs if each in self.namespace}
+                known = vars(builtins) | self.namespace
+                self.at_check[name] = {each: known[each] for each in needs if each in known}
 
     def definitions(self) -> Definitions:
         """Return what the notebook defines, after all of its statements have run."""
@@ -344,7 +345,7 @@ class _Loading:
                 )
         last = {each: value for values in self.at_check.values() for each, value in values.items()}
         for each, value in last.items():
-            now = self.namespace.get(each)
+            now = self.namespace.get(each, vars(builtins).get(each))
             if each in self.functions or now is value or (callable(value) and callable(now)):
                 continue
             self.namespace[each] = value
