@@ -15,7 +15,7 @@ import warnings
 from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 from nao_course.exercises import earlier as earlier_lessons
@@ -47,6 +47,7 @@ _RUN = (
     getattr(ast, "TypeAlias", ast.Assign),  # since Python 3.12
 )
 _CHECKED = re.compile(r"\bcheck\(\s*+[\"'](\w+)")
+_GONE = object()  # in place of the value of a deleted name
 _OF_IPYTHON = {"display", "get_ipython"}
 _IMPORTED_AS = {  # modules that a notebook gives a short name
     "np": "import numpy as np",
@@ -131,9 +132,8 @@ def load_definitions(
     changed runs if an exercise depends on it.
 
     The last definition of a name is used, with two exceptions. A blank definition of an exercise, or one with more
-    blank methods, does not replace an earlier one. If a cell deletes what an exercise depends on, or gives its name to
-    another value, after the exercise's last check, then the value at that check is used. A function that the exercise
-    calls and that a later cell defines again is the one at the check for this exercise, and the later one for others.
+    blank methods, does not replace an earlier one. If a cell deletes or changes what an exercise depends on, after the
+    exercise's last check, then the exercise uses it as it was at that check, and others use it as it is later.
 
     Parameters
     ----------
@@ -193,6 +193,9 @@ class _Loading:
         self.functions: dict[str, tuple[Any, int]] = {}  # the last one of each exercise, and its cell
         self.versions: dict[str, dict[int, None]] = {}  # cells that define an exercise
         self.at_check: dict[str, dict[str, Any]] = {}  # values that an exercise depends on, at its check
+        self.not_yet: dict[
+            str, list[str]
+        ] = {}  # names that an exercise uses and that are not defined at its check
         self.blanks: dict[str, int] = {}  # blank parts of each exercise's definition
         self.set_in: dict[str, int] = {}  # the last cell that set a name
 
@@ -320,6 +323,7 @@ class _Loading:
                 needs = self.program.needed_by([name], without=self.exercises)
                 known = vars(builtins) | self.namespace
                 self.at_check[name] = {each: known[each] for each in needs if each in known}
+                self.not_yet[name] = self._missing_names(name)
 
     def definitions(self) -> Definitions:
         """Return what the notebook defines, after all of its statements have run."""
@@ -343,38 +347,34 @@ class _Loading:
                     name,
                     f"It is defined in code cells {listed}. The definition in code cell {cell} is graded.",
                 )
-        last = {each: value for values in self.at_check.values() for each, value in values.items()}
-        for each, value in last.items():
-            now = self.namespace.get(each, vars(builtins).get(each))
-            if each in self.functions or now is value or (callable(value) and callable(now)):
-                continue
-            self.namespace[each] = value
-            for name, values in self.at_check.items():
-                if each in values and not _is_equal(values[each], now):
-                    version = "this" if values[each] is value else "the last"
-                    remark(
-                        name,
-                        f"It depends on {each}, which code cell {self.set_in.get(each, 0)} changes after the check. "
-                        f"It is graded with {each} as it was at {version} check.",
-                    )
+        restored: dict[str, Any] = {}  # of exercises that cannot have names of their own, such as a class
         for name, values in self.at_check.items():
-            again = [
+            changed = [
                 each
                 for each, value in values.items()
-                if each not in self.functions and _is_other_function(value, self.namespace.get(each))
+                if each not in self.functions
+                and _is_changed(value, self.namespace.get(each, vars(builtins).get(each, _GONE)))
             ]
-            checked = bool(again) and self._uses_helpers_at_check(name)
-            version = "as it was at the check" if checked else "as it is defined later"
-            for each in again:
+            has_own = bool(changed) and self._uses_names_at_check(name)
+            for each in changed:
+                is_lost = not has_own and callable(self.namespace.get(each))
+                restored |= {} if has_own or is_lost else {each: values[each]}
+                version = "as it is defined later" if is_lost else "as it was at the check"
                 remark(
                     name,
-                    f"It depends on {each}, which code cell {self.set_in.get(each, 0)} defines again after the check. "
-                    f"It is graded with {each} {version}. Give one of the two another name.",
+                    f"It depends on {each}, which code cell {self.set_in.get(each, 0)} changes after the check. It is "
+                    f"graded with {each} {version}. Give one of the two another name.",
+                )
+        self.namespace.update(restored)
+        for name, names in self.not_yet.items():
+            for each in [each for each in names if each in self.namespace][:MOST_LISTED]:
+                remark(
+                    name,
+                    f"Its check comes before code cell {self.set_in.get(each, 0)}, which defines {each}, so the check "
+                    f"fails when all cells run in order. It is graded with {each}. Move that cell up.",
                 )
         for name in self.functions:
-            if all(each in self.namespace or _is_known(each) for each in self.program.needed_by([name])):
-                continue
-            for each in _missing_names(self.namespace.get(name), self.namespace)[:MOST_LISTED]:
+            for each in self._missing_names(name)[:MOST_LISTED]:
                 how = _IMPORTED_AS.get(each) or (f"import {each}" if each in sys.stdlib_module_names else "")
                 advice = f"Write `{how}` into a cell" if how else "Import or define it in a cell"
                 remark(
@@ -391,8 +391,14 @@ class _Loading:
         told = {name: tuple(texts) for name, texts in remarks.items()}
         return Definitions(found, tuple(self.skipped), self.namespace, self.text, told)
 
-    def _uses_helpers_at_check(self, name: str) -> bool:
-        """Let an exercise use its helpers as at its check, if its check was of the graded function."""
+    def _missing_names(self, name: str) -> list[str]:
+        """Return the global names that an exercise uses and that nothing defines up to now."""
+        if all(each in self.namespace or _is_known(each) for each in self.program.needed_by([name])):
+            return []
+        return _missing_names(self.namespace.get(name), self.namespace)
+
+    def _uses_names_at_check(self, name: str) -> bool:
+        """Let an exercise use all names as they were at its check, if its check was of the graded function."""
         function = self.functions[name][0]
         values = self.at_check[name]
         if values.get(name) is not function or not _is_of(function, self.namespace):
@@ -486,15 +492,17 @@ def _checks(statement: ast.stmt) -> list[str]:
     return []
 
 
-def _is_equal(one: Any, other: Any) -> bool:
-    """Return whether two plain numbers or texts are equal."""
-    return type(one) is type(other) and type(one) in (bool, int, float, str) and one == other
-
-
-def _is_other_function(one: Any, other: Any) -> bool:
-    """Return whether two objects are functions with different code; the same cell twice gives equal code."""
-    # isinstance would ask a student's class for its attributes.
-    return type(one) is type(other) is FunctionType and one.__code__ != other.__code__
+def _is_changed(before: Any, now: Any) -> bool:
+    """Return whether a name that had one value has another value; the same cell run twice changes nothing."""
+    # isinstance and == would ask a student's class.
+    if before is now or (
+        type(before) is type(now) and type(now) in (bool, int, float, str) and before == now
+    ):
+        return False
+    if type(now) is FunctionType and type(before) is FunctionType:
+        return before.__code__ != now.__code__
+    is_function = type(now) is FunctionType and type(before) is BuiltinFunctionType
+    return is_function or not (callable(before) and callable(now))
 
 
 def _with_others(

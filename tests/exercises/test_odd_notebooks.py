@@ -294,6 +294,7 @@ def test_what_an_exercise_depends_on_runs_from_a_demonstration_that_was_changed(
     [
         ("limit = 1", "limit = 2", 1),
         ("limit = 1", "del limit", 1),
+        ("limit = None", "del limit", None),
         ("def limit(): return 1\nlimit = limit()", "", 1),
         ("", "limit = 2", 2),
         ("limit = 1", "limit = []\nlimit.append(1)", 1),
@@ -303,7 +304,7 @@ def test_a_value_counts_as_it_is_at_the_check(before, after, value, read):
     cells, at = changed(EXERCISE, source=f"def {EXERCISE}(hue):\n    return limit")
     found = read(LESSON, [*cells[:at], code(before), *cells[at : at + 2], code(after), *cells[at + 2 :]])
     assert found[EXERCISE](0) == value
-    assert bool(found.remarks.get(EXERCISE)) == bool(before and after)
+    assert bool(found.remarks.get(EXERCISE)) == bool(after)
 
 
 def test_a_later_function_counts_and_the_cells_are_named(read):
@@ -364,6 +365,24 @@ def test_a_name_that_a_deleted_cell_defined_is_named_with_what_to_do(body, missi
         each for each in found.remarks.get(EXERCISE, ()) if "no cell that the grader runs defines" in each
     ]
     assert len(said) == len(missing) and all(name in each for each, name in zip(said, missing, strict=True))
+
+
+@pytest.mark.parametrize("later", ["len = None", "def len(x):\n    return 0", ""])
+def test_a_builtin_that_a_later_cell_replaces_is_the_builtin_at_the_check(later, read):
+    cells, at = changed(EXERCISE, source=f"def {EXERCISE}(hue):\n    return len(hue)")
+    found = read(LESSON, [*cells[: at + 2], code(later), *cells[at + 2 :]])
+    assert found[EXERCISE]([1, 2]) == 2
+    assert bool(found.remarks.get(EXERCISE)) is bool(later)
+
+
+@pytest.mark.parametrize("is_late", [True, False])
+def test_a_check_above_what_its_exercise_uses_is_named(is_late, read):
+    cells, at = changed(EXERCISE, source=f"def {EXERCISE}(hue):\n    return helper(hue)")
+    helper = code("def helper(x):\n    return x")
+    where = at + 2 if is_late else at
+    found = read(LESSON, [*cells[:where], helper, *cells[where:]])
+    assert found[EXERCISE](3) == 3
+    assert any("defines helper" in each for each in found.remarks.get(EXERCISE, ())) is is_late
 
 
 def test_a_library_under_the_name_of_an_exercise_does_not_replace_it(read):
