@@ -197,36 +197,29 @@ CONSTANTS = {  # statements that make K, and what K is then
     "numpy star": ("from numpy import *\nK = int(sum([1, 2]))", "3"),
     "several cells": ("K = []", "[]"),
 }
+HALF = "def half(x):\n    return x / 2\n"
 VARIANTS = {  # ways to write an exercise and what belongs to it; each passes
-    "helper before": written(before="def half(x):\n    return x / 2", within="half(3)"),
-    "helper behind the check": written(
-        within="globals().get('half', abs)(3)", after="def half(x):\n    return x / 2"
-    ),
+    "helper before": written(before=HALF, within="half(3)"),
+    "helper behind the check": written(within="globals().get('half', abs)(3)", after=HALF),
     "helper defined again": written(
-        before="def half(x):\n    return x / 2",
-        within="assert half(3) == 1.5",
-        after="def half(x):\n    return 0",
+        before=HALF, within="assert half(3) == 1.5", after="def half(x):\n    return 0"
     ),
     "helper's helper defined again": written(
         before="def two():\n    return 2\n\ndef half(x):\n    return x / two()",
         within="assert half(3) == 1.5",
         after="def two():\n    return 3",
     ),
-    "helper in its cell": written(prefix="def half(x):\n    return x / 2", within="half(3)"),
+    "helper in its cell": written(prefix=HALF, within="half(3)"),
     "constant behind it in its cell": written(within="assert LIMIT == 3", suffix="LIMIT = 3"),
-    "helper file": written(
-        prefix="from mine import half", within="half(3)", mine="def half(x):\n    return x / 2\n"
-    ),
+    "helper file": written(prefix="from mine import half", within="half(3)", mine=HALF),
     "helper file of two": written(
         prefix="import mine",
         within="mine.half(3)",
         mine="from other import two\ndef half(x):\n    return x / two\n",
         other="two = 2\n",
     ),
-    "star of a helper file": written(
-        prefix="from mine import *", within="half(3)", mine="def half(x):\n    return x / 2\n"
-    ),
-    "%run": written(before="%run mine.py", within="half(3)", mine="def half(x):\n    return x / 2\n"),
+    "star of a helper file": written(prefix="from mine import *", within="half(3)", mine=HALF),
+    "%run": written(before="%run mine.py", within="half(3)", mine=HALF),
     "global cache": written(before="cache = {}", within="cache[len(cache)] = 1"),
     "recursion": written(
         before="def fac(n):\n    return 1 if n < 2 else n * fac(n - 1)", within="assert fac(5) == 120"
