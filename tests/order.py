@@ -15,6 +15,8 @@ APART = (
     "test_nbgrader_makes_validates_and_grades_the_release",
     "test_nbval_finds_the_stored_outputs_again",
     "test_rubric_16_the_blank_student_copy_runs_to_its_end_and_scores_nothing",
+    "test_the_three_verdicts_agree_or_the_difference_is_stated",
+    "test_copies_of_one_submission_have_one_result",
 )
 # Those that take longest, each file with what it has prepared once, and then the tests above.
 FIRST = (
