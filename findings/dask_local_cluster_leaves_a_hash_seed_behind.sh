@@ -39,4 +39,4 @@ if __name__ == "__main__":
     assert orders_before > 1 and orders() == 1
 PYTHON
 names=(PYTHONHASHSEED MALLOC_TRIM_THRESHOLD_ MKL_NUM_THREADS OMP_NUM_THREADS OPENBLAS_NUM_THREADS)
-env "${names[@]/#/--unset=}" "$folder/venv/bin/python" "$folder/seen.py"
+env "${names[@]/#/-u}" "$folder/venv/bin/python" "$folder/seen.py"
