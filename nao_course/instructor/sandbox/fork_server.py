@@ -296,7 +296,10 @@ class ForkServer:
 
     def sweep(self) -> None:
         """End what workers left to the server: orphans, and children that were made in its name."""
+        # The first process of a worker's namespace is left to the server if the factory has ended. It cannot end before
+        # its worker is waited for, so waiting for it here would never end.
         known = {worker.process for worker in self.workers.values()}
+        known |= {worker.init.process for worker in self.workers.values() if worker.init}
         if self.factory:
             known.add(self.factory.process)
         while strays := [child for child in _children(os.getpid()) if child not in known]:
