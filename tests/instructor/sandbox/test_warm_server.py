@@ -391,6 +391,21 @@ def test_a_worker_whose_server_was_replaced_meanwhile_is_told(notebook):
         assert server.generation == 2
 
 
+def test_a_worker_ends_beside_another_one_when_what_makes_their_namespaces_was_killed(notebook):
+    need(*NAMESPACES)
+    with cold(probe()) as server:
+        with patient(notebook, server) as first:
+            assert attempt(first, "1").value == "1"
+        factory = max(descendants(server.process))
+        with patient(notebook, server) as first, patient(notebook, server) as second:
+            assert (attempt(first, "1").value, attempt(second, "1").value) == ("1", "1")
+            os.kill(factory, signal.SIGKILL)
+            assert eventually(lambda: ended(factory))
+            first.close()
+            assert attempt(second, "2").text == "the process was ended by signal 9 (Killed)"
+            assert server.generation == 1, "the server answers, although it can make no namespace any more"
+
+
 @pytest.mark.slow
 def test_a_server_that_stops_answering_is_replaced(notebook, monkeypatch):
     need(*NAMESPACES)
