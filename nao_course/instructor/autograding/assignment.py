@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
+import re
 import zlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
@@ -27,7 +28,7 @@ from nao_course.instructor.autograding.secret import keyed
 
 LIBRARY = Path(__file__).parents[2]
 _NOT_SCORING = ("instructor", "plotting", "widgets", "cli.py", "homework.py")
-RULES = "5"  # how it is graded; another number has everything graded again
+RULES = "6"  # how it is graded; another number has everything graded again
 
 
 @dataclass(frozen=True)
@@ -252,11 +253,26 @@ def _classes(course: Course, lesson: str) -> dict[str, UsedClass]:
         (home,) = lesson_names.meant(number, course.names()) if number else [lesson]
         source = class_source(course.solutions / f"{home}.ipynb", name)
         if source and use not in found:
-            own = course.plan(home)[name].uses
+            named = loaded_in(_released_setup(course, home), words_of(source))
+            own = dict.fromkeys([*course.plan(home)[name].uses, *named])
             uses = [each if ":" in each or not number else f"{number}:{each}" for each in own]
             found[use] = UsedClass(source, tuple(uses))
             left += uses
     return found
+
+
+def loaded_in(setup: str, named: Collection[str]) -> list[str]:
+    """Return those of some named functions that a set-up cell loads from earlier lessons.
+
+    >>> loaded_in('warp2pi = earlier("07:warp2pi")', {"warp2pi", "turn"})
+    ['07:warp2pi']
+    """
+    return [use for use in re.findall(r'\bearlier\("([^"]+)"\)', setup) if split_use(use)[1] in named]
+
+
+def words_of(source: str) -> set[str]:
+    """Return all names in some code, and the words of its texts."""
+    return set(re.findall(r"\w+", source))
 
 
 def class_source(notebook: Path, name: str) -> str:

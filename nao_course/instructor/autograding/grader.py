@@ -50,6 +50,7 @@ from nao_course.instructor.autograding.references import (
     in_words,
     notebook_of,
     recorded,
+    used_by,
     where_from,
     with_what_classes_use,
 )
@@ -331,14 +332,13 @@ class SubmissionGrader:
         }
         for task in tasks:
             mine = results[task.public.name]
-            own = [results[name] for name in task.uses if name in results]
-            slow = mine.state == "timed out" and bool(task.uses)
-            if (
-                not _is_right(mine)
-                and (slow or not all(map(_is_right, own)) or any(":" in use for use in task.uses))
-                and mine.state not in ("not found", "not attempted", "not run")
-            ):
-                results[task.public.name] = self.once_more(task, mine)
+            if _is_right(mine) or mine.state in ("not found", "not attempted", "not run"):
+                continue
+            uses = used_by(task, self.assignment, code_cells(self.files.notebook))
+            own = [results[name] for name in uses if name in results]
+            slow = mine.state == "timed out" and bool(uses)
+            if slow or not all(map(_is_right, own)) or any(":" in use for use in uses):
+                results[task.public.name] = self.once_more(task, mine, uses)
         return tuple(results.values())
 
     def public(self, exercise: PublicExercise) -> tuple[list[str], Outcome]:
@@ -395,10 +395,10 @@ class SubmissionGrader:
         lines = [*report.lines, *where_reused(report.lines, code_cells(self.files.notebook))]
         return [line[:LONGEST_TEXT] for line in lines]
 
-    def once_more(self, task: Task, before: ExerciseResult) -> ExerciseResult:
+    def once_more(self, task: Task, before: ExerciseResult, uses: Sequence[str]) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""
         self.shares = self.allowances.again
-        needed = with_what_classes_use(task.uses, self.assignment.classes)
+        needed = with_what_classes_use(uses, self.assignment.classes)
         classes = {
             use: self.assignment.classes[use].source for use in needed if use in self.assignment.classes
         }
@@ -425,12 +425,12 @@ class SubmissionGrader:
         right = hidden.state == "right"
         earned = (task.public.points if right else task.points_of(hidden.parts)) * task.with_reference
         parts = task.notes_on(hidden.parts) if earned > before.earned else before.notes
-        names = " and ".join(map(in_words, task.uses))
+        names = " and ".join(map(in_words, uses))
         verdict = "right" if right else "not right either"
         note = " ".join(
             [
                 f"Run again with the reference's {names} instead of yours: it is {verdict}.",
-                *where_from(task.uses, self.files, self.assignment),
+                *where_from(uses, self.files, self.assignment),
             ]
         )
         return replace(

@@ -16,8 +16,9 @@ from nao_course.exercises.earlier import Calls, EarlierNotUsable, split_use
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.judging import judge
 from nao_course.exercises.lesson_names import meant
+from nao_course.exercises.notebook_text import DEFINED
 from nao_course.exercises.running import Outcome, outcome_of
-from nao_course.instructor.autograding.assignment import Assignment, UsedClass
+from nao_course.instructor.autograding.assignment import Assignment, Task, UsedClass, loaded_in, words_of
 from nao_course.instructor.collecting.files import Files
 from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.warm_server import WarmServer
@@ -58,6 +59,22 @@ def where_from(uses: Sequence[str], files: Files, assignment: Assignment) -> Ite
                 yield f"Yours of lesson {number} came from the {lesson}.ipynb that you handed in."
             else:
                 yield f"Of lesson {number} there is no notebook of yours that could be read."
+
+
+def used_by(task: Task, assignment: Assignment, cells: Iterable[str]) -> tuple[str, ...]:
+    """Return what an exercise uses: what is declared, and what else of the set-up cell the student's answer names.
+
+    `cells` are the notebook's code cells; those that define another exercise do not count.
+    """
+    others = {each.public.name for each in assignment.tasks} - {task.public.name}
+    named: set[str] = set()
+    for cell in cells:
+        defined = set(DEFINED.findall(cell))
+        if task.public.name in defined or (defined and others.isdisjoint(defined)):
+            named |= words_of(cell)
+    lessons = [each.lesson for each in assignment.earlier]
+    loaded = [use for use in loaded_in(assignment.setup, named) if meant(split_use(use)[0], lessons)]
+    return tuple(dict.fromkeys([*task.uses, *loaded]))
 
 
 def with_what_classes_use(uses: Iterable[str], classes: Mapping[str, UsedClass]) -> list[str]:

@@ -119,6 +119,30 @@ def test_a_wrong_class_of_the_lesson_is_replaced_where_another_exercise_uses_it(
     assert earned(marked({"Walker": "pass"})) == ALL | {"Walker": 0.0, "walk": 2.0}
 
 
+def test_what_an_answer_uses_undeclared_stands_in_as_well(marked):
+    helper = "def twice(x):\n    return double(x)\n"
+    undeclared = {"alone": "def alone(x):\n    return twice(x) - x + 1"}
+    result = marked(undeclared, handed_in=False, before=helper)
+    assert of(result, "alone").earned == ALL["alone"]
+    assert "reference's double of lesson 80 instead of yours: it is right" in of(result, "alone").notes[0]
+    walker = pair.RIGHT[pair.SECOND]["Walker"].replace("self.at = start", "self.at = double(start) / 2")
+    result = marked({"Walker": walker}, handed_in=False)
+    assert earned(result) == ALL | {"walk": 2.0}
+
+
+def test_a_class_of_the_reference_has_what_it_uses_undeclared(tmp_path, warm_server, monkeypatch):
+    source = pair.RIGHT[pair.SECOND]["Walker"].replace("self.at = start", "self.at = double(start) / 2")
+    monkeypatch.setitem(pair.RIGHT[pair.SECOND], "Walker", source)
+    course = pair.make_course(tmp_path / "course")
+    path = pair.write(tmp_path / "ada" / f"{pair.SECOND}.ipynb", pair.SECOND, {"Walker": "pass"})
+    result = grade(
+        Submission("ada", pair.SECOND, path),
+        replace(prepare(course, "81", pair.SECRET), seconds=AMPLE),
+        warm_server,
+    )
+    assert earned(result) == ALL | {"Walker": 0.0, "walk": 2.0}
+
+
 def test_a_class_and_the_functions_that_it_uses_are_both_replaced(marked):
     result = marked({"Walker": "pass", "quadruple": "def quadruple(x):\n    return x"})
     assert earned(result) == ALL | {"quadruple": 0.0, "Walker": 0.0, "walk": 2.0}
