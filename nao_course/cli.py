@@ -52,7 +52,7 @@ def main() -> None:
 
 
 @contextmanager
-def _plainly() -> Iterator[None]:
+def _errors_in_words() -> Iterator[None]:
     """Print an error as a sentence without a traceback, and exit with status 1."""
     try:
         yield
@@ -98,7 +98,7 @@ def check(
     if not lesson_or_file:
         _say(repr(progress(_notebooks())))
         return
-    with _plainly():
+    with _errors_in_words():
         lesson, notebook = _notebook(lesson_or_file)
         public = read_public(lesson)
         found = notebooks.functions(lesson, notebook.parent, notebook=notebook)
@@ -123,7 +123,7 @@ def check(
     console.print(table)
     for each in found.skipped:
         _say(f"code cell {each.cell}, line {each.line}: {each.reason}")
-    with _plainly():
+    with _errors_in_words():
         for line in several_copies(lesson, notebooks_in(notebook.parent, [lesson]).get(lesson, [])):
             _say(line)
         _say(progress(notebook.parent).total(lesson))
@@ -149,7 +149,7 @@ def submit(
     out: Path = typer.Option(Path(), help="Folder for the zip."),
 ) -> None:
     """Pack your notebooks into a zip to hand in, with a receipt."""
-    with _plainly():
+    with _errors_in_words():
         where = folder or _notebooks()
         receipt = homework.submit(where, out)
     table = Table("file", "SHA-256", title=f"{receipt.path.name}, {receipt.time}")
@@ -180,7 +180,7 @@ def _state_of(lesson: str, folder: Path) -> str:
 @app.command()
 def renew(root: Path = typer.Argument(Path(), help="Folder in which the release was unpacked.")) -> None:
     """Update notebooks/ to a newer release and keep your work; `lab` does this automatically."""
-    with _plainly():
+    with _errors_in_words():
         for line in [*map(str, homework.renew(root))] or ["Your notebooks are up to date."]:
             _say(line)
 
@@ -193,7 +193,7 @@ def lab(
     ),
 ) -> None:
     """Open the lessons in JupyterLab; further arguments go to JupyterLab."""
-    with _plainly():
+    with _errors_in_words():
         if release.is_dir():
             for renewal in homework.renew(Path(), release):
                 _say(str(renewal))
@@ -224,7 +224,7 @@ def demo(
     ),
 ) -> None:
     """Let the robot map the field with your own functions; write a figure, a film and the errors into a folder."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.field_slam.demo import drive, film, report
 
         if slam not in (*drive.ALGORITHMS, "both"):
@@ -269,7 +269,7 @@ def build(
     prove: bool = _PROVE,
 ) -> None:
     """Build student copies, executed solutions and check data from the lessons' texts (instructors)."""
-    with _plainly(), _progress() as progress:
+    with _errors_in_words(), _progress() as progress:
         from nao_course.instructor.authoring import build, stamps
         from nao_course.instructor.authoring.course import load_course
 
@@ -316,7 +316,7 @@ def release(
     prove: bool = _PROVE,
 ) -> None:
     """Make the students' zip archive; fail if it contains code of a solution (instructors)."""
-    with _plainly(), _progress() as progress:
+    with _errors_in_words(), _progress() as progress:
         from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.authoring.release import make_release, read_students
 
@@ -337,7 +337,7 @@ def release(
 @app.command(hidden=_STUDENTS)
 def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Processes at a time.")) -> None:
     """Make many small changes to a lesson's solutions, and list the changes that no test detects (instructors)."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor.authoring.mutation import main as run_mutants
 
         raise typer.Exit(run_mutants(lesson, jobs))
@@ -361,7 +361,7 @@ def grade(
     workers: int = typer.Option(0, min=0, help="Grade with this many Dask workers on this machine."),
 ) -> None:
     """Grade new and changed submissions (instructors). The status is 0 if each has a score or a reason."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor import commands
         from nao_course.instructor.autograding.session import Machines
 
@@ -381,7 +381,7 @@ def regrade(
     reason: str = typer.Option("", help="Reason, which the student reads; required with --set and --keep."),
 ) -> None:
     """Grade a student's submission again, or set points by hand with a reason (instructors)."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor import class_commands, commands
 
         if keep:
@@ -399,7 +399,7 @@ def requests(
     ),
 ) -> None:
     """List the students' open requests to look at an exercise again (instructors)."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor import class_commands
 
         for line in class_commands.requests(grades, submissions):
@@ -416,7 +416,7 @@ def export(
     scale: bool = typer.Option(False, "--scale", help="Scale points to the maximum in that sheet."),
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor import commands
 
         for line in commands.export(grades, format_, lesson, sheet, column, scale=scale):
@@ -438,7 +438,7 @@ def marks(
     ),
 ) -> None:
     """Write sheets for marking the written answers, or read a completed sheet (instructors)."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor import class_commands, commands
         from nao_course.instructor.reports.comment_sheets import is_comment_sheet
 
@@ -455,7 +455,7 @@ def marks(
 @app.command(hidden=_STUDENTS)
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Write a page about the class: scores, exercises and refused submissions (instructors)."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor import class_commands
 
         for line in class_commands.report(grades):
@@ -471,7 +471,7 @@ def similar(
     ),
 ) -> None:
     """Write a page with pairs of notebooks whose own code is suspiciously similar (instructors)."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor.similarity.command import find_similar
 
         for line in find_similar(console, submissions, lesson, out):
@@ -483,7 +483,7 @@ def new_exercise(
     lesson: str, name: str, a_class: bool = typer.Option(False, "--class", help="The student writes a class.")
 ) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with a TODO for each open part."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.scaffolding import scaffold
 
@@ -494,7 +494,7 @@ def new_exercise(
 @new.command("lesson")
 def new_lesson(number: str, name: str) -> None:
     """Create a lesson: a text and a declaration, with a TODO for each open part."""
-    with _plainly():
+    with _errors_in_words():
         from nao_course.instructor.authoring.course import load_course
         from nao_course.instructor.scaffolding import scaffold
 

@@ -38,7 +38,7 @@ _NOBODY = ("points possible", "student, test", "test student")  # rows of Canvas
 _SHORTENED = re.compile(r"\d+(?:[.,]\d+)?E\+?\d+", re.IGNORECASE | re.ASCII)
 _NUMBER = re.compile(r"\d{1,6}(?:[.,]\d{0,6})?|[.,]\d{1,6}", re.ASCII)
 _GROUPED = re.compile(r"[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
-# Where a cell begins, also in a sheet that is split at a separator or line end that this one does not split at.
+# Start of a cell under any separator or line end that a spreadsheet may use.
 # Only commas are safe: what holds one stands in quotation marks.
 _BEGINS = r"(?:\A|(?<=[;|\t\r\n]))"
 _FORMULA = r"'*[^\S;|\t\r\n]*[=+\-@\uff1d\uff0b\uff0d\uff20]"

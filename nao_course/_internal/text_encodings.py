@@ -75,13 +75,13 @@ def _has_utf_8(data: bytes | bytearray) -> bool:
 
 def write_any_character(*streams: TextIO) -> None:
     """Let streams replace each character that their encoding lacks, by a plain sign or a backslash escape."""
-    codecs.register_error(_HANDLER, _plainly)
+    codecs.register_error(_HANDLER, _replace_unencodable)
     for stream in streams:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_HANDLER)
 
 
-def _plainly(error: UnicodeError) -> tuple[str, int]:
+def _replace_unencodable(error: UnicodeError) -> tuple[str, int]:
     """Return what is written in place of the characters that cannot be encoded, and where to go on."""
     if not isinstance(error, UnicodeEncodeError):
         raise error

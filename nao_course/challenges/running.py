@@ -19,7 +19,7 @@ WHOSE = "your entry"  # in messages
 JUDGING = 20.0  # s for judging one answer: more than any legitimate answer needs
 
 MOST_LATE = 3  # number of successive cases that run out of time after which the run is stopped
-TIME_IS_UP = "Time is up"  # how what is said of such a case begins
+TIME_IS_UP = "Time is up"  # first words of the message about such a case
 _NUMBERS = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")  # what may differ where an error is the same
 
 

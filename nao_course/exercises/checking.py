@@ -205,7 +205,7 @@ class Checks:
         raises CheckFailed.
         """
         with redirect_stderr(sys.stdout) if _under_nbgrader() else nullcontext():
-            report = self._said(name, function)
+            report = self._report_on(name, function)
         if strict() and not (isinstance(report, Report) and report):
             raise CheckFailed(repr(report))
         if _under_nbgrader():
@@ -213,7 +213,7 @@ class Checks:
             return None
         return report
 
-    def _said(self, name: str, function: Any) -> Report | Message:
+    def _report_on(self, name: str, function: Any) -> Report | Message:
         try:
             return _unless_old(self._report(self.exercise(name), function))
         except ValueError as error:

@@ -59,11 +59,11 @@ class FailedCells:
             if result.success or self._shell.user_ns.get(name) is not before:
                 self._why.pop(name, None)
             else:
-                self._why[name] = _said(result.error_before_exec or result.error_in_exec)
+                self._why[name] = _describe_error(result.error_before_exec or result.error_in_exec)
         self._before = {}
 
 
-def _said(error: BaseException | None) -> str:
+def _describe_error(error: BaseException | None) -> str:
     """Describe an error in a few words, with its line in the cell if that is known."""
     if not isinstance(error, SyntaxError):
         return f"{type(error).__name__}: {error}"

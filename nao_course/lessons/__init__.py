@@ -1,3 +1,3 @@
-"""Rooms of single lessons: what one lesson alone uses stands in the folder of its name, without the number."""
+"""Packages that one lesson alone uses, named like the lesson without its number."""
 
 __all__ = ["hsl_filtering", "meet_the_nao"]

@@ -75,10 +75,10 @@ def attempt(
     took = time.perf_counter() - began
     unwritten = unfinished is not None and isinstance(error, NotImplementedError)
     if unfinished is not None and unwritten:
-        message = _said(unfinished)
+        message = _in_words(unfinished)
     elif error is not None:
         describe = partial(_too_slow, limit=limit) if isinstance(error, TooSlow) else complaint
-        message = describe(_said(what), error)
+        message = describe(_in_words(what), error)
     return Attempt(value, message, error, unwritten, printed.text, took)
 
 
@@ -142,7 +142,7 @@ def newest_definition(function: Callable[..., Any]) -> Callable[..., Any]:
     return today if same and today is not None else function
 
 
-def _said(words: Words) -> str:
+def _in_words(words: Words) -> str:
     return words if isinstance(words, str) else words()
 
 

@@ -246,7 +246,7 @@ class DerivationSheet:
         # The model is the sheet's, not the student's
         found = {at: said.replace("your model", "the model") for at, said in faults.items()}
         marks = {at: said or found.get(at, "") for at, said in marks.items()}
-        return self._said(marks), marks
+        return self._summary_of(marks), marks
 
     def _parsed(self, entry: str) -> Any:
         """Return a typed entry as an expression; a symbol that is 0 at the point of linearisation raises ValueError."""
@@ -326,7 +326,7 @@ class DerivationSheet:
         for name in sorted(self._zero):
             yield f"it is evaluated at {name} = 1 instead of 0", general.subs(nothing | {name: 1})
 
-    def _said(self, marks: Mapping[tuple[int, int], str]) -> str:
+    def _summary_of(self, marks: Mapping[tuple[int, int], str]) -> str:
         total, right = len(self.rows) * len(self.by), sum(not said for said in marks.values())
         if right == total:
             return f"✔ All {total} entries are correct."

@@ -46,7 +46,7 @@ class Built:
     warnings: tuple[str, ...] = ()
 
     def changes(self) -> list[Path]:
-        """Return what differs from what is there by more than the rounding errors of another processor."""
+        """Return the files that have changed by more than the rounding errors of another processor."""
         changed = [path for path, content in self.files.items() if not self._is_there(path, content)]
         # The picture that a lesson opens with is also in its notebook: both are of one build.
         lessons = {lesson_names.number_of(path.stem) for path in changed if path.suffix == ".ipynb"}
@@ -131,7 +131,7 @@ def build(
 
 
 def _plans(course: Course) -> dict[str, LessonPlan]:
-    """Load the plans of all lessons; what is wrong with any of them is said at once."""
+    """Load the plans of all lessons, and report all their errors together."""
     plans: dict[str, LessonPlan] = {}
     problems: list[str] = []
     for name in course.names():

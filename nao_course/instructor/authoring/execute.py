@@ -31,7 +31,7 @@ Tell = Callable[[str, str], None]
 def execute_all(
     solved: Mapping[str, NotebookNode], stage: Path, tell: Tell
 ) -> Iterator[tuple[str, NotebookNode]]:
-    """Run all lessons, a few at a time; what is wrong with any of them is said at the end."""
+    """Run all lessons, a few at a time, and report all their errors at the end."""
 
     def run(name: str) -> NotebookNode:
         tell(name, "running")

@@ -1,8 +1,8 @@
 """Grades one submission: its functions run in a worker, and what is expected of them stays here.
 
-In a worker the public cases of all exercises come before the first hidden one. What a student may see in full, the
-answers to public cases, was said before any hidden input was there to be passed on; of what comes later only the kind
-of failure is shown, in fixed words, and a line of the submission.
+A worker runs the public cases of all exercises before the first hidden case. The detailed report therefore comes from
+calls made before the code had seen any hidden input. For a hidden case, the page shows only the kind of failure, in
+fixed words, and the failing line.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ from nao_course.instructor.autograding.references import (
     STOOD_IN,
     ReferenceFunction,
     References,
+    count_passed,
+    dependencies_of,
     handed_in_earlier,
-    how_many_pass,
     in_words,
     notebook_of,
+    origins_of,
     recorded,
     used_by,
-    where_from,
-    with_what_classes_use,
 )
 from nao_course.instructor.autograding.scratch import laid_out
 from nao_course.instructor.autograding.tries import (
@@ -60,9 +60,9 @@ from nao_course.instructor.autograding.tries import (
     NO_TIME_TO_LOAD,
     NOT_RUN,
     Allowances,
-    in_spite_of_the_server,
     not_run,
-    until_agreed,
+    retry_on_server_death,
+    retry_until_stable,
 )
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.files import Files, read, submission_hash
@@ -117,12 +117,12 @@ def grade(
     told: list[Found] = []
 
     def work(assignment: Assignment) -> tuple[SubmissionResult, int]:
-        return in_spite_of_the_server(
+        return retry_on_server_death(
             lambda mine: _grade(submission, assignment, mine, stopped, allowances, told), server
         )
 
     try:
-        result = until_agreed(lambda again: work(assignment.anew() if again else assignment))
+        result = retry_until_stable(lambda again: work(assignment.anew() if again else assignment))
     except (Stopped, SandboxError):
         raise
     except ServerEnded as error:
@@ -348,12 +348,12 @@ class SubmissionGrader:
         last = replace(
             outcomes[-1], value=None, shown=tuple(name for each in outcomes for name in each.shown)
         )
-        if exercise.earlier and (passed := how_many_pass(exercise, outcomes)) < len(exercise.cases):
+        if exercise.earlier and (passed := count_passed(exercise, outcomes)) < len(exercise.cases):
             # As in the notebook, recorded answers are used where earlier work is not usable.
             self.stand_in(recorded(exercise, self.allowances.recorded[exercise.name]))
             outcomes = list(self.outcomes(exercise, exercise.cases))
             self.worker.stand_in({})
-            if how_many_pass(exercise, outcomes) > passed:
+            if count_passed(exercise, outcomes) > passed:
                 lines = [*self.explained(exercise, outcomes), STOOD_IN]
         return lines, last
 
@@ -398,7 +398,7 @@ class SubmissionGrader:
     def once_more(self, task: Task, before: ExerciseResult, uses: Sequence[str]) -> ExerciseResult:
         """Run an exercise with the reference's earlier functions instead of the student's own."""
         self.shares = self.allowances.again
-        needed = with_what_classes_use(uses, self.assignment.classes)
+        needed = dependencies_of(uses, self.assignment.classes)
         classes = {
             use: self.assignment.classes[use].source for use in needed if use in self.assignment.classes
         }
@@ -430,7 +430,7 @@ class SubmissionGrader:
         note = " ".join(
             [
                 f"Run again with the reference's {names} instead of yours: it is {verdict}.",
-                *where_from(uses, self.files, self.assignment),
+                *origins_of(uses, self.files, self.assignment),
             ]
         )
         return replace(

@@ -50,7 +50,7 @@ def handed_in_earlier(files: Files, assignment: Assignment) -> list[EarlierNoteb
     ]
 
 
-def where_from(uses: Sequence[str], files: Files, assignment: Assignment) -> Iterator[str]:
+def origins_of(uses: Sequence[str], files: Files, assignment: Assignment) -> Iterator[str]:
     """Return a note for each used earlier lesson whether the student submitted it."""
     numbers = sorted({split_use(use)[0] for use in uses} - {""})
     for number in numbers:
@@ -77,7 +77,7 @@ def used_by(task: Task, assignment: Assignment, cells: Iterable[str]) -> tuple[s
     return tuple(dict.fromkeys([*task.uses, *loaded]))
 
 
-def with_what_classes_use(uses: Iterable[str], classes: Mapping[str, UsedClass]) -> list[str]:
+def dependencies_of(uses: Iterable[str], classes: Mapping[str, UsedClass]) -> list[str]:
     """Return what is used, and what classes among it use themselves."""
     found: list[str] = []
     left = list(uses)
@@ -121,7 +121,7 @@ def recorded(exercise: PublicExercise, allowance: Allowance) -> dict[str, Refere
     return {each.use: of(each.use) for each in exercise.earlier}
 
 
-def how_many_pass(exercise: PublicExercise, outcomes: Sequence[Outcome]) -> int:
+def count_passed(exercise: PublicExercise, outcomes: Sequence[Outcome]) -> int:
     """Count the public cases that are right; an answer that nobody can look at is not."""
     passed = 0
     for case, outcome in zip(exercise.cases, outcomes, strict=False):

@@ -61,7 +61,7 @@ def not_run(shares: Shares) -> str:
     return f"{NOT_RUN}{largest} used up the time of the submission ({SECONDS_IN_ALL:g} s for all exercises)."
 
 
-def until_agreed(work: Callable[[bool], tuple[SubmissionResult, int]]) -> SubmissionResult:
+def retry_until_stable(work: Callable[[bool], tuple[SubmissionResult, int]]) -> SubmissionResult:
     """Grade until nobody outside may have ended a process, or two tries agree: what is a submission's own recurs.
 
     `work` is called with True for a retry, and returns the result and the number of processes that may have been ended.
@@ -102,7 +102,7 @@ def with_first_report(second: SubmissionResult, first: SubmissionResult) -> Subm
     return replace(second, exercises=tuple(told))
 
 
-def in_spite_of_the_server(
+def retry_on_server_death(
     work: Callable[[WarmServer | None], tuple[SubmissionResult, int]], server: WarmServer | None
 ) -> tuple[SubmissionResult, int]:
     """Start again if the warm server died, with a server of the submission's own: another one may have ended it.

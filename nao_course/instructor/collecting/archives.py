@@ -73,7 +73,7 @@ class Item:
             raise Refused(self.problem)
         if self.entry is None:
             return read_plain(self.source, most)
-        with opened(self.source) as file, _plainly(), zipfile.ZipFile(file) as archive:
+        with opened(self.source) as file, _errors_in_words(), zipfile.ZipFile(file) as archive:
             with archive.open(self.entry) as member:
                 data = member.read(most + 1)
             if len(data) > most:
@@ -214,7 +214,7 @@ def in_zip(path: Path, *, students: bool) -> list[Item]:
     A zip made by a student may hold no more than a student's work does. Raise Refused if it is not a zip, or holds too
     much.
     """
-    with opened(path) as file, _plainly():
+    with opened(path) as file, _errors_in_words():
         if students:
             _refuse_a_large_one(file)
         with zipfile.ZipFile(file) as archive:
@@ -303,7 +303,7 @@ def _megabytes(size: int) -> str:
 
 
 @contextmanager
-def _plainly() -> Iterator[None]:
+def _errors_in_words() -> Iterator[None]:
     """Turn all that a broken zip can raise into a reason."""
     try:
         yield

@@ -1,4 +1,4 @@
-"""The journal: one SQLite file that keeps what was graded, changed by hand and marked, whatever happens meanwhile.
+"""The journal: a crash-safe SQLite file with results, manual changes and marks.
 
 It is in WAL mode with synchronous=NORMAL. A result is one transaction, so a grader that is killed leaves all or
 nothing of it; what was committed is with the operating system and outlives the process. A power cut may take the
@@ -90,18 +90,18 @@ class Journal:
         self.path = path if path.suffix == ".sqlite" else path / NAME
         if not make and not self.path.is_file():
             raise JournalError(f"there is no journal {self.path}: `nao-course grade ... --out` makes it")
-        with self._plainly("open"):
+        with self._errors_in_words("open"):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._database = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
         try:
-            with self._plainly("open"):
+            with self._errors_in_words("open"):
                 self._prepare()
         except BaseException:
             self._database.close()
             raise
 
     def _prepare(self) -> None:
-        """Make the tables of a new file; refuse a file that is another one's."""
+        """Create the tables in a new file; refuse SQLite files of other programs."""
         self._database.execute("PRAGMA synchronous = NORMAL")
         application, version = self._pragma("application_id"), self._pragma("user_version")
         new = (application, version) == (0, 0)
@@ -375,13 +375,13 @@ class Journal:
             yield kind(*row)
 
     def _all(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:
-        with self._plainly("read"):
+        with self._errors_in_words("read"):
             return self._database.execute(query, values).fetchall()
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
         """Write everything in the block, or nothing."""
-        with self._plainly("write"):
+        with self._errors_in_words("write"):
             self._database.execute("BEGIN IMMEDIATE")
             try:
                 yield
@@ -392,7 +392,7 @@ class Journal:
                 raise
 
     @contextmanager
-    def _plainly(self, verb: str) -> Iterator[None]:
+    def _errors_in_words(self, verb: str) -> Iterator[None]:
         try:
             yield
         except (sqlite3.Error, OSError) as error:

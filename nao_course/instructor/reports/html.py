@@ -169,7 +169,7 @@ def _emphasised(text: str) -> Markup:
 
 
 def card(*content: Content, class_: str = "card") -> Markup:
-    """Make a block that stands for itself."""
+    """Return a card, a block with a border."""
     return element("div", *content, class_=class_)
 
 

@@ -1,4 +1,4 @@
-"""Grades and feedback on their way back to Moodle and Canvas: their own sheet filled in, their own names kept."""
+"""Export to Moodle and Canvas: fill in the platform's sheet, and name feedback files as the platform expects."""
 
 from __future__ import annotations
 

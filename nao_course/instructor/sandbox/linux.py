@@ -117,7 +117,7 @@ def no_new_privileges() -> None:
 
 
 def not_dumpable() -> None:
-    """Let no process of the same user look into this one."""
+    """Make this process non-dumpable, so that other processes of its user cannot trace it."""
     _prctl(_PR_SET_DUMPABLE, 0)
 
 

@@ -121,7 +121,7 @@ class Allowance:
 
 
 class Channel:
-    """The way to a worker. Nothing in it waits beyond the deadline, whoever holds the other end.
+    """Channel to a worker. No operation blocks past the deadline, even if student code controls the other end.
 
     Its clock counts the time in which the worker runs or sleeps. Where the kernel says how long a process has waited
     for a processor (Linux), that time is not counted, so that a busy machine takes no time from a student's code. It is

@@ -55,7 +55,7 @@ class TruncatedOutput(io.RawIOBase):
         return True
 
     def write(self, data: Any, /) -> int:
-        """Take all, keep the first."""
+        """Accept all output, and keep its beginning."""
         view = memoryview(data).cast("B")
         self.kept += view[: max(MOST_OUTPUT - len(self.kept), 0)]
         return view.nbytes
