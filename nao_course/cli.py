@@ -484,8 +484,8 @@ def new_exercise(
 ) -> None:
     """Add an exercise to a lesson: a declaration and its cells, with a TODO for each open part."""
     with _errors_in_words():
+        from nao_course.instructor.authoring import scaffold
         from nao_course.instructor.authoring.course import load_course
-        from nao_course.instructor.scaffolding import scaffold
 
         for path in scaffold.add_exercise(load_course(), lesson, name, a_class=a_class):
             _say(f"wrote {os.path.relpath(path)}")
@@ -495,8 +495,8 @@ def new_exercise(
 def new_lesson(number: str, name: str) -> None:
     """Create a lesson: a text and a declaration, with a TODO for each open part."""
     with _errors_in_words():
+        from nao_course.instructor.authoring import scaffold
         from nao_course.instructor.authoring.course import load_course
-        from nao_course.instructor.scaffolding import scaffold
 
         for path in scaffold.add_lesson(load_course(), number, name):
             _say(f"wrote {os.path.relpath(path)}")

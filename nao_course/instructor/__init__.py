@@ -9,5 +9,4 @@ __all__ = [
     "gradescope",
     "reports",
     "sandbox",
-    "scaffolding",
 ]

@@ -19,7 +19,7 @@ from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.judging import is_unstable
 from nao_course.instructor.authoring import build, execute, lesson_text, release, stamps
 from nao_course.instructor.authoring.mistakes import with_functions
-from nao_course.instructor.authoring.rounding.alike import same_but_for_rounding
+from nao_course.instructor.authoring.rounding_errors import same_but_for_rounding
 from tests.lessons.every import (
     COURSE,
     FINISHED,

@@ -21,10 +21,10 @@ from nao_course.exercises.outline import outline_bytes
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import CHECKS, OUTLINES, Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
+from nao_course.instructor.authoring.plan_checks import plan_warnings, use_problems
 from nao_course.instructor.authoring.plans import PlanError
-from nao_course.instructor.authoring.proving.plan_checks import plan_warnings, use_problems
-from nao_course.instructor.authoring.proving.proofs import Proofs
-from nao_course.instructor.authoring.rounding.alike import same_but_for_rounding
+from nao_course.instructor.authoring.proofs import Proofs
+from nao_course.instructor.authoring.rounding_errors import same_but_for_rounding
 from nao_course.instructor.authoring.stamps import edited, stamp
 
 CODE_STUB = {"python": "raise NotImplementedError"}

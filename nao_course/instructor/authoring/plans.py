@@ -30,9 +30,9 @@ from nao_course.exercises.exercise import (
 )
 from nao_course.exercises.running import Outcome, call_all, describe, own_line
 from nao_course.instructor.authoring.declarations import case_problems, declaration_problems, undeclared_uses
+from nao_course.instructor.authoring.mistake_pairs import recognisable
 from nao_course.instructor.authoring.mistakes import ChangeError, with_functions, without_numeric_warnings
-from nao_course.instructor.authoring.mistakes.pairs import recognisable
-from nao_course.instructor.authoring.rounding.perturbation import perturbed_cases
+from nao_course.instructor.authoring.perturbation import perturbed_cases
 
 SOLUTIONS = Path("solutions")
 PAIR_SECONDS = 1.0  # of a call with two mistakes at once: together they may never end

@@ -21,8 +21,8 @@ from nao_course.exercises import (
 )
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.running import call
+from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import publish
-from nao_course.instructor.authoring.proving.plan_checks import check_plan
 from nao_course.slam import SlamAlgorithm
 
 

@@ -10,10 +10,9 @@ import pytest
 
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.exercise import ANSWER_HERE
-from nao_course.instructor.authoring import build, lesson_text
+from nao_course.instructor.authoring import build, lesson_text, proofs
 from nao_course.instructor.authoring.course import LessonError
-from nao_course.instructor.authoring.proving import proofs
-from nao_course.instructor.authoring.rounding.perturbation import perturbed
+from nao_course.instructor.authoring.perturbation import perturbed
 from tests.instructor.authoring.conftest import PICTURE
 from tests.paths import PROJECT
 from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write

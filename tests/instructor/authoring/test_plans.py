@@ -7,6 +7,7 @@ from nao_course.exercises import Case, Close, Exact, Exercise, Mistake
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.exercise import PublicLesson
 from nao_course.exercises.judging import is_unstable
+from nao_course.instructor.authoring.perturbation import perturbed
 from nao_course.instructor.authoring.plans import (
     PlanError,
     lesson_name,
@@ -16,7 +17,6 @@ from nao_course.instructor.authoring.plans import (
     reference,
     with_answers,
 )
-from nao_course.instructor.authoring.rounding.perturbation import perturbed
 from tests.toy import toy
 
 

@@ -18,8 +18,8 @@ from nao_course.exercises.checking import pack, unpack
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.instructor.authoring import lesson_text, release
 from nao_course.instructor.authoring.course import LessonError, load_course
+from nao_course.instructor.authoring.perturbation import perturbed
 from nao_course.instructor.authoring.release import nbgrader_config, release_problems
-from nao_course.instructor.authoring.rounding.perturbation import perturbed
 from tests.paths import PROJECT
 from tests.toy.course import run, with_a_written_question
 

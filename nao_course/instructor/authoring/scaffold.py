@@ -229,7 +229,7 @@ def show(values, student):
 controls = [Slider("value", "Value", 0, 10, 1, 3)]
 functions = {{"{first}": {first}}}
 FunctionPanel("TODO: what it shows", show, controls, student=functions)"""
-TEXT = "lesson.md"  # beside this module: the text of a new lesson
+TEXT = "scaffold.md"  # beside this module: the text of a new lesson
 
 
 def add_lesson(course: Course, number: str, name: str) -> list[Path]:

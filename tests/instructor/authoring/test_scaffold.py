@@ -187,4 +187,4 @@ def test_a_new_lesson_keeps_every_rule_and_its_own_test_passes(new_lesson, kerne
 
 
 def test_the_texts_of_a_new_lesson_come_with_the_package():
-    assert (resources.files("nao_course.instructor.scaffolding") / "lesson.md").is_file()
+    assert (resources.files("nao_course.instructor.authoring") / "scaffold.md").is_file()

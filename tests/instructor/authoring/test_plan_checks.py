@@ -10,10 +10,9 @@ import pytest
 
 from nao_course.exercises import Between, Case, Close, Exact, LessonPlan, Methods, Mistake, Points, calls
 from nao_course.exercises.checking import grade_public
-from nao_course.instructor.authoring import plans
+from nao_course.instructor.authoring import plan_checks, plans
+from nao_course.instructor.authoring.plan_checks import check_plan, plan_warnings
 from nao_course.instructor.authoring.plans import PlanError
-from nao_course.instructor.authoring.proving import plan_checks
-from nao_course.instructor.authoring.proving.plan_checks import check_plan, plan_warnings
 
 
 def test_a_good_plan_is_accepted(plan, right):

@@ -22,8 +22,8 @@ from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.notebook_text import read_cells
 from nao_course.instructor.authoring.course import OUTLINES
+from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import PlanError, load_solution, public_lesson, solutions_beside
-from nao_course.instructor.authoring.proving.plan_checks import check_plan
 
 FOLDER = Path("build", "proofs")  # git ignores it, and no release looks there
 MOST_CHECK_DATA = 1_000_000  # bytes of one lesson

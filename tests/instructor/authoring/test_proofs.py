@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from nao_course.exercises.checking import unpack
+from nao_course.instructor.authoring import proofs
 from nao_course.instructor.authoring.plans import PlanError, load_plan, publish
-from nao_course.instructor.authoring.proving import proofs
-from nao_course.instructor.authoring.proving.proofs import FOLDER, Proofs
+from nao_course.instructor.authoring.proofs import FOLDER, Proofs
 from tests.toy import toy
 
 NAME = toy.LESSON

@@ -28,13 +28,7 @@ class ChangeError(ValueError):
 
 @dataclass(frozen=True)
 class Change:
-    """A change of a solution's text; see `catalogue` for how it is written.
-
-    Parameters
-    ----------
-    lines : tuple of str
-        Substitutions and inserted lines, applied in this order.
-    """
+    """A change of a solution's text: substitutions and inserted lines in their order, written as in `catalogue`."""
 
     lines: tuple[str, ...]
 
@@ -48,24 +42,9 @@ class Change:
         raise ChangeError("this mistake is a change of a solution: apply it with with_functions()")
 
     def applied_to(self, source: str, name: str) -> str:
-        """Return a solution with this change.
+        """Return the cell that defines a function or class with this change.
 
-        Parameters
-        ----------
-        source : str
-            A cell that defines the function or class.
-        name : str
-            Of the function or class; an insertion that follows no substitution becomes its first line.
-
-        Returns
-        -------
-        str
-            The changed cell.
-
-        Raises
-        ------
-        ChangeError
-            If a fragment that should be replaced occurs nowhere, or several times.
+        Raise a ChangeError if a fragment that should be replaced occurs nowhere, or several times.
         """
         lines = source.splitlines()
         documented = set(_docstring_lines(ast.parse(source)))
@@ -108,22 +87,8 @@ def catalogue(text: str) -> list[Mistake]:
     ``old => new`` replaces a fragment that occurs once in the solution, docstrings aside; ``old =>> new`` replaces it
     wherever it occurs. ``+ line`` inserts a line: after the last line that a substitution changed, with the same
     indentation, or at the beginning of the function's body if no substitution precedes it. Several changes are applied
-    one after the other.
-
-    Parameters
-    ----------
-    text : str
-        The catalogue.
-
-    Returns
-    -------
-    list of Mistake
-        In the order of the text; each one's function is a `Change` until `with_functions` applies it.
-
-    Raises
-    ------
-    ChangeError
-        If a mistake lacks a change or a message.
+    one after the other. Each mistake's function is a `Change` until `with_functions` applies it. Raise a ChangeError if
+    a mistake lacks a change or a message.
     """
     records: list[tuple[str, list[str], list[str]]] = []
     for line in textwrap.dedent(text.strip("\n")).splitlines():
@@ -147,22 +112,8 @@ def catalogue(text: str) -> list[Mistake]:
 def with_functions(plan: LessonPlan, reference: Mapping[str, Callable[..., Any]]) -> LessonPlan:
     """Apply the changes of a plan's mistakes to the solution, so that every mistake can be called.
 
-    Parameters
-    ----------
-    plan : LessonPlan
-        The declaration.
-    reference : mapping of str to callable
-        The solution's functions; a `Definitions`, if a mistake is a change.
-
-    Returns
-    -------
-    LessonPlan
-        The same plan, with a function in the place of each change.
-
-    Raises
-    ------
-    ChangeError
-        One line for each change that does not fit the solution.
+    The solution's functions are a `Definitions`, if a mistake is a change. Raise a ChangeError with a line for each
+    change that does not fit the solution.
     """
     problems: list[str] = []
 
@@ -191,10 +142,7 @@ def with_functions(plan: LessonPlan, reference: Mapping[str, Callable[..., Any]]
 def changed(exercise: str, mistake: Mistake, reference: Mapping[str, Callable[..., Any]]) -> Any:
     """Return the function or class of a solution with a mistake's change.
 
-    Raises
-    ------
-    ChangeError
-        If the change does not fit the solution, or what comes out is not Python.
+    Raise a ChangeError if the change does not fit the solution, or the changed text is not Python.
     """
     assert isinstance(mistake.function, Change)
     if not isinstance(reference, Definitions):

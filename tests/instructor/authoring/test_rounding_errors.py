@@ -15,13 +15,13 @@ from nao_course.exercises import Case, Close
 from nao_course.exercises.checking import pack
 from nao_course.exercises.earlier import EarlierCall
 from nao_course.exercises.exercise import PublicExercise, PublicLesson, PublicMistake
-from nao_course.instructor.authoring.rounding.alike import (
+from nao_course.instructor.authoring.perturbation import perturbed
+from nao_course.instructor.authoring.rounding_errors import (
     pictures_alike,
     same_but_for_rounding,
     texts_alike,
     values_alike,
 )
-from nao_course.instructor.authoring.rounding.perturbation import perturbed
 from tests.paths import PROJECT
 
 

@@ -9,7 +9,7 @@ import scipy.sparse
 from nao_course.codec import encode
 from nao_course.exercises import Case, register
 from nao_course.geometry import Pose
-from nao_course.instructor.authoring.rounding.perturbation import SIZE, perturbed, perturbed_cases
+from nao_course.instructor.authoring.perturbation import SIZE, perturbed, perturbed_cases
 from nao_course.slam import Measurement
 
 
