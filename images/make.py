@@ -1,8 +1,6 @@
 """Make the pictures of README, docs and lessons, and the films: ``python images/make.py``, or some: ``... effects``.
 
 ``python images/make.py slides`` writes each lesson's figures for slides, with captions, into build/slides.
-
-What each shows, for who does not see it, stands in alt_texts.toml; README, docs and lessons say the same words.
 """
 
 from __future__ import annotations
