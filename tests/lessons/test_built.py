@@ -133,7 +133,7 @@ def test_the_executed_solution_is_that_of_the_text(name):
 
 @pytest.mark.slow
 # Running all of them twice would take a quarter of an hour.
-@pytest.mark.parametrize("name", COURSE.names()[1::6])
+@pytest.mark.parametrize("name", COURSE.names(["01"]))
 def test_building_twice_makes_the_same_bytes(name):
     assert build.build(COURSE, [name]).files == build.build(COURSE, [name], prove=True).files
 
