@@ -55,5 +55,5 @@ def test_a_slow_filter_ends_at_the_newest_value_and_skips_most_of_those_before(l
     assert "This is slow." in panel.words()
     pictures = int(re.search(r"(\d+) pictures", panel.words())[1])
     print(f"\n{pictures} pictures for 100 steps of the mouse")
-    assert pictures < 25
+    assert pictures < 50  # some ten; more where a busy machine moves the mouse slowly
     screenshot(page, "filter_panel_slow")

@@ -326,7 +326,7 @@ def test_control_c_on_the_command_is_no_traceback(course, tmp_path):
         chain.hand_in(
             tmp_path / "in",
             f"s{number}",
-            chain.notebook(extra=f"import time\ntime.sleep(5 + {number} / 100)"),
+            chain.notebook({"double": f"import time\ndef double(x):\n    time.sleep(5 + {number} / 100)"}),
         )
     words = [
         sys.executable,
