@@ -262,7 +262,7 @@ def _classes(course: Course, lesson: str) -> dict[str, UsedClass]:
 
 
 def loaded_in(setup: str, named: Collection[str]) -> list[str]:
-    """Return those of some named functions that a set-up cell loads from earlier lessons.
+    """Return the named functions that a set-up cell loads from earlier lessons.
 
     >>> loaded_in('warp2pi = earlier("07:warp2pi")', {"warp2pi", "turn"})
     ['07:warp2pi']

@@ -134,6 +134,9 @@ def grade_all(
     finally:
         stop.set()
         executor.shutdown(cancel_futures=True)
+    for told in (summary.kept, summary.failed, summary.attempts, summary.undecided, summary.too_slow):
+        told.sort()  # results come in any order
+    summary.refused.sort(key=lambda each: (each.student, each.lesson))
     return summary
 
 

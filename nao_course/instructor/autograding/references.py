@@ -64,7 +64,7 @@ def origins_of(uses: Sequence[str], files: Files, assignment: Assignment) -> Ite
 def used_by(task: Task, assignment: Assignment, cells: Iterable[str]) -> tuple[str, ...]:
     """Return what an exercise uses: what is declared, and what else of the set-up cell the student's answer names.
 
-    `cells` are the notebook's code cells; those that define another exercise do not count.
+    `cells` are the notebook's code cells; cells that define another exercise do not count.
     """
     others = {each.public.name for each in assignment.tasks} - {task.public.name}
     named: set[str] = set()

@@ -81,8 +81,10 @@ def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, mo
     assignment = prepare(course, "90", chain.SECRET)
     monkeypatch.setattr(batch, "grade", lambda submission, assignment, **_: refusal(submission, assignment))
     with Journal(tmp_path / "grades") as journal:
-        grade_all(many(), lambda lesson: assignment, journal, jobs=2, tell=done)
+        summary = grade_all(many(), lambda lesson: assignment, journal, jobs=2, tell=done)
     assert len(most) == 500 and max(most) <= 5
+    refused = [each.student for each in summary.refused]
+    assert refused == sorted(refused), "the lists of a run are in the same order however it went"
 
 
 def test_a_page_that_cannot_be_written_stops_nobody_and_its_result_is_kept(
