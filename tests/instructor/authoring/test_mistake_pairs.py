@@ -156,12 +156,7 @@ def test_two_mistakes_that_never_end_together_are_left_out(monkeypatch):
     assert not any(set(pair.mistakes) == {5, 6} for pair in public.pairs)
 
 
-REAL = {
-    "02": ["post_candidates"],
-    "04": ["pixel_to_ground"],
-    "06": ["covariance_ellipse"],
-    "07": ["predict"],
-}
+REAL = {"02": ["post_candidates"], "04": ["pixel_to_ground"], "06": ["covariance_ellipse"], "07": ["predict"]}
 
 
 @pytest.mark.parametrize("lesson", REAL)
