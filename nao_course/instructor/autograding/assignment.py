@@ -267,7 +267,7 @@ def loaded_in(setup: str, named: Collection[str]) -> list[str]:
     >>> loaded_in('warp2pi = earlier("07:warp2pi")', {"warp2pi", "turn"})
     ['07:warp2pi']
     """
-    return [use for use in re.findall(r'\bearlier\("([^"]+)"\)', setup) if split_use(use)[1] in named]
+    return [use for use in re.findall(r"""\bearlier\(\s*["']([^"']+)""", setup) if split_use(use)[1] in named]
 
 
 def words_of(source: str) -> set[str]:

@@ -156,10 +156,19 @@ def test_two_mistakes_that_never_end_together_are_left_out(monkeypatch):
     assert not any(set(pair.mistakes) == {5, 6} for pair in public.pairs)
 
 
-REAL = {"02": ["post_candidates"], "04": ["pixel_to_ground"], "06": ["covariance_ellipse"], "07": ["predict"]}
+REAL = {
+    "02": ["post_candidates", "find_goalposts"],
+    "03": ["hough_segments", "segment_intersection"],
+    "04": ["pixel_to_ground"],
+    "06": ["covariance_ellipse"],
+    "07": ["predict"],
+}
+LONG = {"02", "03"}
 
 
-@pytest.mark.parametrize("lesson", REAL)
+@pytest.mark.parametrize(
+    "lesson", [pytest.param(each, marks=[pytest.mark.slow] if each in LONG else []) for each in REAL]
+)
 def test_most_pairs_of_a_lesson_are_recognised_and_nothing_right_is(lesson):
     """The stored answers are those that the pair gives; every right alternative and single mistake stays what it is."""
     notebook = solution_notebook(lesson, SOLUTIONS)
