@@ -39,7 +39,7 @@ def whole(seen: Observation) -> Observation:
     return seen
 
 
-# Idea: what is done to each picture's measurements, by which association, and what else the drive's lines tell.
+# Idea: what is done to each picture's measurements, by which association, and what else the drive's lines give.
 IDEAS: dict[str, tuple[Change, Any, dict[str, Any]]] = {
     "constant R": (constant, None, {}),
     "tilt in R": (alone, None, {}),
