@@ -18,7 +18,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import SplitResult, urlsplit
 
 import dask
 from distributed import Client, KilledWorker, LocalCluster, Security
@@ -35,6 +35,7 @@ SECONDS_TO_CONNECT = 15.0
 SECONDS_FOR_A_WORKER = 60.0  # until the first one joins
 # Bytes of submissions on their way; from then on, none is sent until a result is there
 MOST_HELD = 64 * 2**20
+_PROTOCOLS = ("tcp", "tls", "ws", "wss")
 _MOST_STARTS = 3
 _SECONDS_BETWEEN_UPDATES = 1.0  # of the list of workers
 _CONFIGURATION = {"distributed.admin.large-graph-warning-threshold": "1GB"}  # a notebook may have 50 MB
@@ -229,8 +230,18 @@ def _local_cluster(workers: int, threads: int) -> LocalCluster:
 
 
 def _connect(address: str, say: Callable[[str], object]) -> Client:
-    """Connect to a scheduler; say so if others could listen."""
-    encrypted = urlsplit(address).scheme == "tls"
+    """Connect to a scheduler; say so if others could listen.
+
+    Dask is asked only for addresses that it can use: a client that refuses one stays half open, and when the garbage
+    collector closes it while another one starts, both wait for the same lock for ever.
+    """
+    where = urlsplit(address if "://" in address else f"tcp://{address}")
+    if not _is_usable(where):
+        raise ClusterError(
+            f"cannot reach a scheduler at {address}: give the address that `dask scheduler` prints, such as "
+            "tls://10.0.0.1:8786"
+        )
+    encrypted = where.scheme == "tls"
     try:
         certificate = Security().get_connection_args("client")["ssl_context"]
     except OSError as error:
@@ -242,12 +253,12 @@ def _connect(address: str, say: Callable[[str], object]) -> Client:
         )
     try:
         client = Client(address, timeout=SECONDS_TO_CONNECT, set_as_default=False)
-    except (OSError, ValueError, TypeError, RuntimeError) as error:
+    except OSError as error:
         raise ClusterError(
             f"cannot reach a scheduler at {address} ({error}). Start one with `dask scheduler`, and give the address "
             "that it prints, such as tls://10.0.0.1:8786"
         ) from None
-    if not encrypted and not _is_local(address):
+    if not encrypted and not _is_local(where.hostname or ""):
         say(
             f"THE CONNECTION TO {address} IS NOT ENCRYPTED. Who reaches the scheduler can read hidden cases and run "
             "programs on all workers: use TLS."
@@ -255,8 +266,13 @@ def _connect(address: str, say: Callable[[str], object]) -> Client:
     return client
 
 
-def _is_local(address: str) -> bool:
-    host = urlsplit(address).hostname or ""
+def _is_usable(where: SplitResult) -> bool:
+    with contextlib.suppress(ValueError):  # of a port that is no number
+        return where.scheme in _PROTOCOLS and bool(where.hostname) and bool(where.port)
+    return False
+
+
+def _is_local(host: str) -> bool:
     try:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback
     except ValueError:

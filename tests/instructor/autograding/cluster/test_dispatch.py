@@ -1,6 +1,7 @@
 """A class graded by Dask workers has the results of one machine, whatever happens to scheduler, workers and grader."""
 
 import contextlib
+import gc
 import json
 import os
 import re
@@ -230,8 +231,19 @@ def test_a_scheduler_that_is_not_there_is_named(monkeypatch):
         open_cluster("process", scheduler=address),
     ):
         pass
-    with pytest.raises(ClusterError, match="cannot reach"), open_cluster("process", scheduler="nothing"):
+    with pytest.raises(ClusterError, match="cannot reach"), open_cluster("process", scheduler=address[6:]):
         pass
+
+
+@pytest.mark.parametrize(
+    "address", ["nothing", "tcp://", "tcp://here", "tcp://here:port", "what://10.0.0.1:8786"]
+)
+def test_an_address_that_dask_refuses_leaves_no_client_half_open(address):
+    """The garbage collector would close it while another client starts, and both would wait for one lock."""
+    with pytest.raises(ClusterError, match="the address that `dask scheduler` prints"):
+        dispatch._connect(address, print)
+    clients = [each for each in gc.get_objects() if isinstance(each, dispatch.Client)]
+    assert "connecting" not in {each.status for each in clients}
 
 
 def test_without_a_certificate_an_encrypted_scheduler_is_not_tried():
