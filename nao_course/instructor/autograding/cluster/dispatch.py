@@ -267,7 +267,7 @@ def _connect(address: str, say: Callable[[str], object]) -> Client:
 
 
 def _is_usable(where: SplitResult) -> bool:
-    with contextlib.suppress(ValueError):  # of a port that is no number
+    with contextlib.suppress(ValueError):  # of a port that is not a number
         return where.scheme in _PROTOCOLS and bool(where.hostname) and bool(where.port)
     return False
 
