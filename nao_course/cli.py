@@ -266,6 +266,11 @@ def build(
         "--execute/--no-execute",
         help="Whether to run the solutions; --no-execute is faster while you write.",
     ),
+    solutions: bool = typer.Option(
+        True,
+        "--solutions/--no-solutions",
+        help="Whether to write the solution notebooks; --no-solutions only proves and writes student copies.",
+    ),
     prove: bool = _PROVE,
 ) -> None:
     """Build student copies, executed solutions and check data from the lessons' texts (instructors)."""
@@ -286,7 +291,9 @@ def build(
         def tell(lesson: str, step: str) -> None:
             progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
 
-        built = build.build(course, wanted, texts=texts, execute=execute, prove=prove, tell=tell)
+        built = build.build(
+            course, wanted, texts=texts, execute=execute, solutions=solutions, prove=prove, tell=tell
+        )
         changes = built.write()
     for warning in built.warnings:
         _say(f"warning: {warning}")

@@ -10,7 +10,7 @@ from xdist.workermanage import WorkerController
 # Tests of one lesson each, of up to minutes, that share nothing: any process may take the next one.
 APART = (
     "test_hidden_cases_catch_mutants_of_the_solutions",
-    "test_rubric_8_what_is_committed_is_what_the_texts_say_and_mistakes_have_their_own_message",
+    "test_what_is_committed_is_what_the_texts_say",
     "test_building_twice_makes_the_same_bytes",
     "test_nbgrader_makes_validates_and_grades_the_release",
     "test_nbval_finds_the_stored_outputs_again",

@@ -23,7 +23,7 @@ from nao_course.instructor.authoring.course import CHECKS, OUTLINES, Course, Les
 from nao_course.instructor.authoring.execute import Tell, execute_all
 from nao_course.instructor.authoring.plan_checks import plan_warnings, use_problems
 from nao_course.instructor.authoring.plans import PlanError
-from nao_course.instructor.authoring.proofs import Proofs
+from nao_course.instructor.authoring.proofs import MANIFEST, Proofs
 from nao_course.instructor.authoring.rounding_errors import same_but_for_rounding
 from nao_course.instructor.authoring.stamps import edited, stamp
 
@@ -110,7 +110,9 @@ def build(
         stage = _stage(course, Path(folder), solved)
         declarations = {name: course.declaration(name) for name in plans}
         proofs = Proofs(course.root, declarations, plans, stage / "solutions", anew=prove)
-        files |= _check_data(solved, proofs, stage, tell)
+        proven = _check_data(course, solved, proofs, stage, tell)
+        files |= {CHECKS / f"{name}.bin": data for name, data in proven.items()}
+        files[MANIFEST] = proofs.manifest(proven)
         for name, notebook in solved.items():
             tell(name, "student copy")
             released = student_copy(notebook)
@@ -191,23 +193,25 @@ def _stage(course: Course, stage: Path, solved: Mapping[str, NotebookNode]) -> P
 
 
 def _check_data(
-    solved: Mapping[str, NotebookNode], proofs: Proofs, stage: Path, tell: Tell
-) -> dict[Path, bytes]:
+    course: Course, solved: Mapping[str, NotebookNode], proofs: Proofs, stage: Path, tell: Tell
+) -> dict[str, bytes]:
     """Make the data of all lessons' checks, on the stage too; what is wrong with any plan is said at once."""
-    files: dict[Path, bytes] = {}
+    proven: dict[str, bytes] = {}
     problems: list[str] = []
     for name, notebook in solved.items():
         tell(name, "exercises")
-        data = CHECKS / f"{name}.bin"
         try:
-            files[data] = proofs.check_data(name)
+            data = proofs.check_data(name)
         except PlanError as error:
             problems += [_with_place(notebook, line) for line in str(error).splitlines()]
             continue
-        (stage / data).write_bytes(files[data])
+        there = _bytes(course.check_data(name))
+        is_there = there is not None and same_but_for_rounding(".bin", there, data)
+        proven[name] = there if there is not None and is_there else data
+        (stage / CHECKS / f"{name}.bin").write_bytes(proven[name])
     if problems:
         raise LessonError("\n".join(problems))
-    return files
+    return proven
 
 
 def _with_place(notebook: NotebookNode, problem: str) -> str:

@@ -1,4 +1,8 @@
-"""Proofs of lessons, kept: what was proven is proven again only when something that it rests on has changed."""
+"""Proofs of lessons, kept: what was proven is proven again only when something that it rests on has changed.
+
+A proof is kept in two places. The manifest `solutions/proofs.json` is committed, and vouches for the committed check
+data, so that a release of a fresh clone proves nothing. The folder `build/proofs` has what was proven here since.
+"""
 
 from __future__ import annotations
 
@@ -21,25 +25,40 @@ from nao_course.exercises.checking import pack
 from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.notebook_text import read_cells
-from nao_course.instructor.authoring.course import OUTLINES
+from nao_course.instructor.authoring.course import CHECKS, OUTLINES
 from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import PlanError, load_solution, public_lesson, solutions_beside
 
 FOLDER = Path("build", "proofs")  # git ignores it, and no release looks there
+MANIFEST = Path("solutions", "proofs.json")
 MOST_CHECK_DATA = 1_000_000  # bytes of one lesson
 LIBRARY = Path(nao_course.__file__).parent  # whose code proves, whichever course is proven
 COMPUTES = ("numpy", "opencv-python-headless", "scipy", "sympy")
 _MADE = {".bin", ".pyc"}  # files in the library that are made of others
+# Rooms of the library that no proof enters: the commands, and all that comes after a lesson was handed out.
+APART = (
+    "cli.py",
+    "homework.py",
+    "instructor/autograding/",
+    "instructor/class_commands.py",
+    "instructor/collecting/",
+    "instructor/commands.py",
+    "instructor/gradescope.py",
+    "instructor/personal_numbers.py",
+    "instructor/reports/",
+    "instructor/similarity/",
+    "lab/",
+)
 
 
 @dataclass(frozen=True)
 class Proofs:
     """The proofs of a course's lessons.
 
-    A proof is the check data of a lesson, with the hash of all that it rests on: the versions of Python and of what
-    computes, the library, the declaration, the points, and the solutions of the lesson and of those before it. Proofs
-    are kept in `build/proofs` under the course's root. `declarations` are files and `plans` what they declare, with the
-    course's points, by the names of all lessons; with `anew`, everything is proven again.
+    A proof is the check data of a lesson, with the hash of all that it rests on: the library, the declaration, the
+    points, and the solutions of the lesson and of those before it; and with the versions of Python and of what
+    computes. `declarations` are files and `plans` what they declare, with the course's points, by the names of all
+    lessons; with `anew`, everything is proven again.
     """
 
     root: Path
@@ -53,21 +72,50 @@ class Proofs:
 
         Raise a PlanError with one line for each thing that is wrong with the lesson's declaration.
         """
-        rests_on = self.rests_on(name)
-        kept = None if self.anew else _read(self._file(name), rests_on)
-        if kept is not None:
-            return kept
+        proof = self.rests_on(name), _versions()
+        if not self.anew:
+            kept = _read(self._file(name), *proof) or self._committed(name, *proof)
+            if kept is not None:
+                return kept
         data = self._prove(name)
-        _write(self._file(name), rests_on, data)
+        _write(self._file(name), _head(*proof, data) + b"\n" + data)
         return data
 
+    def manifest(self, proven: Mapping[str, bytes]) -> bytes:
+        """Return the manifest with the proofs of lessons whose check data are given in the place of theirs."""
+        lines = {name: line for name, line in self._manifest.items() if name in self.plans}
+        for name, data in proven.items():
+            lines[name] = _head(self.rests_on(name), _versions(), data).decode()
+        return (json.dumps(lines, indent=2, sort_keys=True) + "\n").encode()
+
+    def is_vouched_for(self, name: str, data: bytes) -> bool:
+        """Whether the manifest has a proof of these check data on the same inputs, with any versions of libraries."""
+        inputs, _, found = self._manifest.get(name, "").partition(" ")
+        return inputs == self.rests_on(name) and found.endswith(_hash(data))
+
+    def _committed(self, name: str, rests_on: str, versions: str) -> bytes | None:
+        """Return the committed check data of a lesson, if the manifest vouches for them."""
+        try:
+            data = (self.root / CHECKS / f"{name}.bin").read_bytes()
+        except OSError:
+            return None
+        return data if self._manifest.get(name) == _head(rests_on, versions, data).decode() else None
+
+    @cached_property
+    def _manifest(self) -> Mapping[str, str]:
+        """The committed line of each lesson; a file that cannot be read vouches for nothing."""
+        try:
+            found = json.loads((self.root / MANIFEST).read_bytes())
+        except (OSError, ValueError):
+            return {}
+        return {name: str(line) for name, line in found.items()} if isinstance(found, dict) else {}
+
     def rests_on(self, name: str) -> str:
-        """Hash all that the proof of a lesson rests on."""
+        """Hash all that the proof of a lesson rests on but the versions of other software."""
         plan, later = self.plans[name], {_folder(each) for each in self.plans if each > name}
         declaration = self.declarations[name]
         parts = {
             "lesson": name,
-            "versions": {"python": sys.version, **{each: version(each) for each in COMPUTES}},
             "library": {file: kept for file, kept in self._library.items() if _owner(file) not in later},
             "declaration": _hash(declaration.read_bytes()) if declaration.is_file() else "",
             "points": plan.points,
@@ -98,11 +146,15 @@ class Proofs:
 
     @cached_property
     def _library(self) -> dict[str, str]:
-        """The hash of each file of the library."""
+        """The hash of each file of the library that a proof may load."""
+        files = {path.relative_to(LIBRARY).as_posix(): path for path in LIBRARY.rglob("*")}
         return {
-            path.relative_to(LIBRARY).as_posix(): _hash(path.read_bytes())
-            for path in LIBRARY.rglob("*")
-            if path.suffix not in _MADE and path.is_file() and path.parent.name != OUTLINES.name
+            name: _hash(path.read_bytes())
+            for name, path in files.items()
+            if path.suffix not in _MADE
+            and path.is_file()
+            and path.parent.name != OUTLINES.name
+            and not name.startswith(APART)
         }
 
     @cached_property
@@ -133,27 +185,35 @@ def _hash(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _read(file: Path, rests_on: str) -> bytes | None:
+def _versions() -> str:
+    """Name the versions of Python, without its last number, and of what computes."""
+    return ", ".join(
+        [f"python {sys.version_info[0]}.{sys.version_info[1]}"]
+        + [f"{each} {version(each)}" for each in COMPUTES]
+    )
+
+
+def _read(file: Path, rests_on: str, versions: str) -> bytes | None:
     """Return the check data that was proven, if it is complete and depends on the same inputs."""
     try:
         head, _, data = file.read_bytes().partition(b"\n")
     except OSError:
         return None
-    return data if head == _head(rests_on, data) else None
+    return data if head == _head(rests_on, versions, data) else None
 
 
-def _write(file: Path, rests_on: str, data: bytes) -> None:
+def _write(file: Path, content: bytes) -> None:
     """Store a proof; a proof that cannot be stored is made again the next time."""
     with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         temporary = file.with_name(f".{file.name}.{os.getpid()}")
-        temporary.write_bytes(_head(rests_on, data) + b"\n" + data)
+        temporary.write_bytes(content)
         temporary.replace(file)
 
 
-def _head(rests_on: str, data: bytes) -> bytes:
-    """Return the line before a proof's data: the hashes of its inputs and of the data."""
-    return f"{rests_on} {_hash(data)}".encode()
+def _head(rests_on: str, versions: str, data: bytes) -> bytes:
+    """Return the line that stands for a proof: the hash of its inputs, the versions, and the hash of the data."""
+    return f"{rests_on} {versions} {_hash(data)}".encode()
 
 
 def _too_much(exercises: Sequence[PublicExercise], size: int) -> str:

@@ -19,11 +19,12 @@ from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question,
 
 
 def test_build_writes_all_that_is_made_of_a_lesson_and_then_nothing(course, kernel):
-    assert sorted(run("build").output.split("\n")[:-1])[-4:] == [
+    assert sorted(run("build").output.split("\n")[:-1])[-5:] == [
         "wrote nao_course/exercises/checks/01_toy.bin",
         "wrote nao_course/exercises/outlines/01_toy.json",
         "wrote notebooks/01_toy.ipynb",
         "wrote solutions/01_toy.ipynb",
+        "wrote solutions/proofs.json",
     ]
     before = contents(course.root)
     assert "Nothing has changed." in run("build", "01").output
@@ -37,8 +38,9 @@ def test_what_another_processor_built_stays_as_it_is_and_a_change_is_written(bui
     ours, lesson = checks.read_bytes(), unpack(checks.read_bytes())
     theirs = pack(perturbed(lesson, np.random.default_rng(1)))
     checks.write_bytes(theirs)
-    assert theirs != ours and "Nothing has changed." in run("build").output
-    assert checks.read_bytes() == theirs
+    assert theirs != ours
+    assert run("build").output.split() == ["wrote", "solutions/proofs.json"]  # it vouches for theirs
+    assert checks.read_bytes() == theirs and "Nothing has changed." in run("build").output
     checks.write_bytes(
         pack(replace(lesson, exercises=[replace(lesson.exercises[0], hints=["other", "hints"])]))
     )

@@ -1,13 +1,20 @@
 """What was proven is proven again when something that it rests on has changed, and only then."""
 
+import json
+import shutil
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from nao_course.exercises.checking import unpack
 from nao_course.instructor.authoring import proofs
+from nao_course.instructor.authoring.course import CHECKS
 from nao_course.instructor.authoring.plans import PlanError, load_plan, publish
-from nao_course.instructor.authoring.proofs import FOLDER, Proofs
+from nao_course.instructor.authoring.proofs import FOLDER, MANIFEST, Proofs
+from tests.paths import PROJECT
 from tests.toy import toy
 
 NAME = toy.LESSON
@@ -70,7 +77,7 @@ def another_solution(name, *cells):
     return lambda place: toy.write(place / "solutions" / f"{name}.ipynb", *toy.SOLUTION, *cells)
 
 
-@pytest.mark.parametrize(
+INPUTS = pytest.mark.parametrize(
     "change",
     [
         append(f"solutions/exercises/{NAME}.py"),
@@ -85,6 +92,9 @@ def another_solution(name, *cells):
         another_solution(EARLIER, "helper = abs"),
     ],
 )
+
+
+@INPUTS
 def test_a_change_of_what_a_proof_rests_on_is_proven_anew(place, proven, change):
     proofs_of(place).check_data(NAME)
     change(place)
@@ -129,6 +139,106 @@ def test_what_a_proof_does_not_rest_on_leaves_it_standing(place, proven, change)
     change(place)
     proofs_of(place).check_data(NAME)
     assert proven == [NAME]
+
+
+# --- the committed manifest ---
+
+
+def commit(place, **options):
+    """Write the manifest and the check data, as a build does, and forget what is not committed."""
+    found = proofs_of(place, **options)
+    data = found.check_data(NAME)
+    for path, content in ((CHECKS / f"{NAME}.bin", data), (MANIFEST, found.manifest({NAME: data}))):
+        (place / path).parent.mkdir(parents=True, exist_ok=True)
+        (place / path).write_bytes(content)
+    shutil.rmtree(place / FOLDER)
+    return data
+
+
+def test_a_fresh_clone_finds_what_is_proven(place, proven):
+    data = commit(place)
+    found = proofs_of(place)
+    assert found.check_data(NAME) == data and found.is_vouched_for(NAME, data)
+    assert proven == [NAME]
+
+
+@INPUTS
+def test_the_manifest_vouches_for_nothing_after_a_change(place, proven, change):
+    data = commit(place)
+    change(place)
+    assert not proofs_of(place).is_vouched_for(NAME, data)
+    proofs_of(place).check_data(NAME)
+    assert proven == [NAME, NAME]
+
+
+@pytest.mark.parametrize("of", proofs.COMPUTES)
+def test_the_manifest_names_the_versions_that_it_was_proven_with(place, proven, monkeypatch, of):
+    data = commit(place)
+    version = proofs.version
+    assert f"{of} {version(of)}" in (place / MANIFEST).read_text()
+    monkeypatch.setattr(proofs, "version", lambda name: "another" if name == of else version(name))
+    assert proofs_of(place).is_vouched_for(NAME, data)
+    proofs_of(place).check_data(NAME)
+    assert proven == [NAME, NAME]
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        lambda place: flip(place / CHECKS / f"{NAME}.bin"),
+        lambda place: (place / CHECKS / f"{NAME}.bin").unlink(),
+        lambda place: (place / MANIFEST).write_bytes((place / MANIFEST).read_bytes()[:-2]),
+        lambda place: (place / MANIFEST).write_text("[1]"),
+        lambda place: (place / MANIFEST).write_text(f'{{"{NAME}": 1}}'),
+        lambda place: (place / MANIFEST).write_bytes(b"\xff"),
+        lambda place: (place / MANIFEST).unlink(),
+    ],
+)
+def test_a_manifest_or_data_that_somebody_else_wrote_prove_nothing(place, proven, harm):
+    data = commit(place)
+    harm(place)
+    assert proofs_of(place).check_data(NAME) == data
+    assert proven == [NAME, NAME]
+
+
+def test_the_manifest_keeps_other_lessons_and_forgets_those_that_are_gone(place, proven):
+    commit(place)
+    found = proofs_of(place)
+    lines = json.loads(found.manifest({LATER: b"data"}))
+    assert lines.keys() == {NAME, LATER}
+    (place / MANIFEST).write_text(json.dumps(lines | {"92_gone": "a proof"}))
+    assert json.loads(proofs_of(place).manifest({})) == lines
+
+
+LOADED = """
+import sys
+from nao_course.instructor.authoring.proofs import Proofs
+from tests.lessons.every import COURSE
+
+plans = {each: COURSE.plan(each) for each in COURSE.names()}
+declarations = {each: COURSE.declaration(each) for each in plans}
+Proofs(COURSE.root, declarations, plans, COURSE.solutions)._prove(COURSE.names()[0])
+print(*(each.__file__ for each in list(sys.modules.values()) if getattr(each, "__file__", None)), sep="\\n")
+"""
+
+
+def test_a_proof_loads_nothing_that_it_does_not_rest_on():
+    ran = subprocess.run(
+        [sys.executable, "-c", LOADED], cwd=PROJECT, capture_output=True, text=True, check=True
+    )
+    loaded = [Path(line) for line in ran.stdout.splitlines()]
+    loaded = [
+        file.relative_to(proofs.LIBRARY).as_posix() for file in loaded if proofs.LIBRARY in file.parents
+    ]
+    assert "instructor/authoring/plan_checks.py" in loaded
+    assert not [file for file in loaded if file.startswith(proofs.APART)]
+
+
+def test_rooms_of_which_no_proof_loads_anything_exist():
+    assert not [each for each in proofs.APART if not (proofs.LIBRARY / each).exists()]
+
+
+# --- what was proven here ---
 
 
 def test_all_is_proven_anew_where_that_is_wanted(place, proven):
