@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
 from PIL import Image
 
-from website import ROOT
 from website.lessons import Lesson
 
 __all__ = ["SIZE", "cards"]
 
 SIZE = (640, 480)  # pixels: twice the width of a card, for screens with small pixels
-_FULL = (0.0, 0.0, 1.0, 1.0)
 
 
 def cards(lessons: Sequence[Lesson], folder: Path) -> str:
@@ -24,14 +21,12 @@ def cards(lessons: Sequence[Lesson], folder: Path) -> str:
     ValueError.
     """
     folder.mkdir()
-    declared = tomllib.loads((ROOT / "website" / "cards.toml").read_text(encoding="utf-8"))
     found = []
     for lesson in lessons:
-        card = declared.get(lesson.number, {})
         figure = folder.parent / "lessons" / lesson.figure
         name = f"{lesson.number}.jpeg"
-        _shrunk(figure, card.get("part", _FULL)).save(folder / name, quality=88)
-        picture = f"![{card.get('alt', lesson.title)}]({folder.name}/{name})"
+        _shrunk(figure, lesson.about["card"]).save(folder / name, quality=88)
+        picture = f"![{lesson.about['card_shows']}]({folder.name}/{name})"
         title = f"[{lesson.number} {lesson.title}](lessons/{lesson.name}.ipynb)"
         text = f"{lesson.goal} *{lesson.minutes + lesson.later} minutes*"
         found.append(f":::{{container}} lesson\n{picture}\n\n**{title}**\n\n{text}\n:::")

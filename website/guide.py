@@ -1,4 +1,4 @@
-"""``python -m website.guide`` writes into the guide and the README what the lessons say of themselves."""
+"""``python -m website.guide`` writes the tables of lessons in the guide for instructors and in the README."""
 
 from __future__ import annotations
 
@@ -9,23 +9,19 @@ from nao_course.instructor.authoring.course import load_course
 from website import ROOT
 from website.lessons import Lesson, read_lesson
 
-__all__ = ["guide_with_facts", "readme_with_minutes"]
+__all__ = ["guide_with_lessons", "readme_with_lessons"]
 
 WEEKS, SHORTER = "| week | lesson |", "| course | lessons |"  # heads of the guide's tables
-OPEN = ["TODO", "TODO"]  # of a new lesson: its prerequisites, and what is missing without it
+README = "| lesson | what you do |"  # of the README's
 
 
-def guide_with_facts(guide: str, lessons: Iterable[Lesson]) -> str:
-    """Return docs/teach_the_course.md with each lesson's minutes, points and uses.
-
-    Prerequisites and the last column stay; a new lesson has TODO there.
-    """
+def guide_with_lessons(guide: str, lessons: Iterable[Lesson]) -> str:
+    """Return docs/teach_the_course.md with a row for each lesson, and the minutes of the shorter courses."""
     there = {lesson.number: lesson for lesson in lessons}
-    kept = {row[1][:2]: row[5:] for row in _rows(guide, WEEKS)}
     weeks = [
         [
             *(str(week), f"{each.number} {each.title}", str(each.minutes), _points(each)),
-            *(", ".join(each.takes) or "-", *kept.get(each.number, OPEN)),
+            *(", ".join(each.takes) or "-", each.about["needs"], each.about["left_out"]),
         ]
         for week, each in enumerate(there.values(), start=1)
     ]
@@ -36,12 +32,17 @@ def guide_with_facts(guide: str, lessons: Iterable[Lesson]) -> str:
     return _with_rows(_with_rows(guide, WEEKS, weeks), SHORTER, shorter)
 
 
-def readme_with_minutes(readme: str, lessons: Iterable[Lesson]) -> str:
-    """Return README.md with the minutes of each lesson that its table lists."""
-    for each in lessons:
-        row = rf"^(\| \[{each.number} .* \|) \d+ \|$"
-        readme = re.sub(row, rf"\g<1> {each.minutes + each.later} |", readme, flags=re.MULTILINE)
-    return readme
+def readme_with_lessons(readme: str, lessons: Iterable[Lesson]) -> str:
+    """Return README.md with a row for each lesson."""
+    rows = [
+        (
+            f"[{each.number} {each.title}](notebooks/{each.name}.ipynb)",
+            each.about["does"],
+            str(each.minutes + each.later),
+        )
+        for each in lessons
+    ]
+    return _with_rows(readme, README, rows)
 
 
 def _points(lesson: Lesson) -> str:
@@ -75,7 +76,10 @@ def main() -> None:
     lessons = [
         read_lesson(ROOT / "notebooks" / f"{name}.ipynb") for name in course.names() if name not in drafts
     ]
-    for file, written in (("docs/teach_the_course.md", guide_with_facts), ("README.md", readme_with_minutes)):
+    for file, written in (
+        ("docs/teach_the_course.md", guide_with_lessons),
+        ("README.md", readme_with_lessons),
+    ):
         text = (ROOT / file).read_text(encoding="utf-8")
         new = written(text, lessons)
         (ROOT / file).write_text(new, encoding="utf-8")

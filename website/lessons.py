@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from nao_course.instructor.authoring.course import ABOUT
+from website import ROOT
+
 __all__ = ["Lesson", "read_lesson"]
+
+_KEYS = ("does", "needs", "left_out", "card", "card_shows")
 
 
 @dataclass(frozen=True)
@@ -17,7 +24,8 @@ class Lesson:
 
     Its goal is the paragraph below the title, its picture the figure that it opens with, both Markdown. `minutes` are
     for the first part and `later` for the second, 0 without one; `points` are of all its checks and written answers,
-    `written` of the latter, and `takes` are the numbers of lessons whose functions it uses.
+    `written` of the latter, and `takes` are the numbers of lessons whose functions it uses. `about` is its part of
+    `solutions/lessons.toml`.
     """
 
     name: str
@@ -29,6 +37,7 @@ class Lesson:
     points: float
     written: float
     takes: tuple[str, ...]
+    about: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     @property
     def figure(self) -> str:
@@ -42,7 +51,10 @@ class Lesson:
 
 
 def read_lesson(path: Path) -> Lesson:
-    """Read a lesson's student copy. Raise a ValueError if it lacks a title, a goal, an opening figure or its time."""
+    """Read a lesson's student copy, and what the course says about it.
+
+    Raise a ValueError if the copy lacks a title, a goal, an opening figure or its time, or the course says nothing.
+    """
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     text, code = (_joined(cells, kind) for kind in ("markdown", "code"))
     said = {
@@ -67,7 +79,18 @@ def read_lesson(path: Path) -> Lesson:
         points=sum(map(_points, cells)),
         written=sum(_points(cell) for cell in cells if cell["cell_type"] == "markdown"),
         takes=tuple(sorted(set(re.findall(r'\bearlier\("(\d\d):', code)))),
+        about=_about(path.stem.split("_")[0]),
     )
+
+
+def _about(number: str) -> dict[str, Any]:
+    """Return what the course says about a lesson; a lesson that is new has TODO in it."""
+    file = ROOT / "solutions" / ABOUT
+    found: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8")).get(number, {})
+    missing = [key for key in _KEYS if key not in found]
+    if missing:
+        raise ValueError(f'solutions/{ABOUT} does not say {", ".join(missing)} under ["{number}"]')
+    return found
 
 
 def _joined(cells: list[dict[str, Any]], kind: str) -> str:

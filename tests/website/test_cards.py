@@ -1,13 +1,12 @@
 """The first page's cards show a part of each lesson's opening figure."""
 
-import tomllib
+from dataclasses import replace
 
 import pytest
 from PIL import Image
 
 from nao_course.instructor.authoring.course import load_course
 from tests.paths import PROJECT
-from website import cards as module
 from website.cards import SIZE, cards
 from website.lessons import read_lesson
 
@@ -27,21 +26,17 @@ def folder(tmp_path):
 
 def test_each_lesson_has_a_card_of_one_size_that_is_not_empty(folder):
     text = cards(LESSONS, folder)
-    declared = tomllib.loads((PROJECT / "website" / "cards.toml").read_text())
-    assert list(declared) == [lesson.number for lesson in LESSONS]
     for lesson in LESSONS:
-        assert f"![{declared[lesson.number]['alt']}](cards/{lesson.number}.jpeg)" in text
+        assert f"![{lesson.about['card_shows']}](cards/{lesson.number}.jpeg)" in text
         with Image.open(folder / f"{lesson.number}.jpeg") as picture:
             assert picture.size == SIZE
             white = sum(picture.convert("L").histogram()[250:])
         assert white < (1 - COLOURED) * SIZE[0] * SIZE[1], lesson.name
 
 
-def test_a_part_outside_of_its_figure_is_refused(folder, tmp_path, monkeypatch):
-    (tmp_path / "website").mkdir()
-    (tmp_path / "website" / "cards.toml").write_text('"00" = { part = [0.5, 0, 0.4, 1], alt = "x" }')
-    monkeypatch.setattr(module, "ROOT", tmp_path)
+def test_a_part_outside_of_its_figure_is_refused(folder):
+    outside = replace(LESSONS[0], about=LESSONS[0].about | {"card": [0.5, 0, 0.4, 1]})
     with pytest.raises(
         ValueError, match=r"00_payoff.png: the part \[0.5, 0, 0.4, 1\] of a card must be fractions"
     ):
-        cards(LESSONS[:1], folder)
+        cards([outside], folder)

@@ -9,7 +9,8 @@ import pytest
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_plan
 from tests.paths import PROJECT
-from website.guide import guide_with_facts, readme_with_minutes
+from website import lessons
+from website.guide import guide_with_lessons, readme_with_lessons
 from website.lessons import read_lesson
 
 
@@ -34,6 +35,14 @@ def test_a_lessons_facts_are_read(tmp_path):
     assert (lesson.number, lesson.title, lesson.goal) == ("02", "Posts", "You find *them*.")
     assert (lesson.picture, lesson.minutes, lesson.later) == ("![a post](images/02_payoff.png)", 90, 40)
     assert (lesson.points, lesson.written, lesson.takes) == (5, 2, ("01",))
+
+
+def test_a_lesson_about_which_the_course_says_nothing_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(lessons, "ROOT", tmp_path)
+    (tmp_path / "solutions").mkdir()
+    (tmp_path / "solutions" / "lessons.toml").write_text('["00"]\ndoes = "x"\ncard = []\ncard_shows = "y"\n')
+    with pytest.raises(ValueError, match=r'lessons.toml does not say needs, left_out under \["00"\]'):
+        read_lesson(PROJECT / "notebooks" / "00_meet_the_nao.ipynb")
 
 
 def test_a_lesson_that_lacks_a_fact_says_which(tmp_path):
@@ -78,25 +87,26 @@ def test_the_guide_says_each_lessons_minutes_points_and_what_it_takes():
     ], "run `python -m website.guide`"
 
 
-def test_the_command_writes_what_the_lessons_say_and_keeps_the_rest():
+def test_the_command_writes_the_rows_and_keeps_the_rest():
     changed = re.sub(
-        r"^(\| \d+ \| \d\d [^|]*\|) \d+ \| [^|]* \| [^|]* \|", r"\1 1 | 2 (3) | 99 |", GUIDE, flags=re.M
+        r"^(\| \d+ \| \d\d [^|]*\|) \d+ \| .*$", r"\1 1 | 2 (3) | 99 | x | y |", GUIDE, flags=re.M
     )
     changed = re.sub(r"^(\| [a-z ]+ \| \d\d, [^|]*\|) \d+ \| [^|]* \|", r"\1 7 | 98 |", changed, flags=re.M)
     assert changed.count("| 2 (3) | 99 |") == len(LESSONS) and changed.count("| 7 | 98 |") == 3
-    assert guide_with_facts(changed, LESSONS.values()) == GUIDE
-    readme = re.sub(r"^(\| \[\d\d .* \|) \d+ \|$", r"\1 3 |", README, flags=re.M)
-    assert readme.count("| 3 |\n") == len(LESSONS)
-    assert readme_with_minutes(readme, LESSONS.values()) == README
+    assert guide_with_lessons(changed, LESSONS.values()) == GUIDE
+    readme = re.sub(r"^\| \[\d\d .* \|$\n", "", README, flags=re.M)
+    assert "hsl_filtering.ipynb" not in readme
+    assert readme_with_lessons(readme, LESSONS.values()) == README
 
 
 def test_a_new_lesson_gets_a_row_and_a_lesson_that_is_gone_loses_its_row():
     first, second, *_ = LESSONS.values()
     new = replace(second, name="40_more", title="More", points=2.5, written=0, takes=())
-    lines = guide_with_facts(GUIDE, [first, new]).splitlines()
+    lines = guide_with_lessons(GUIDE, [first, new]).splitlines()
     start = next(number for number, line in enumerate(lines) if line.startswith("| week | lesson |"))
     assert lines[start + 2].startswith("| 1 | 00 Meet the NAO | 75 |")
-    assert lines[start + 3] == f"| 2 | 40 More | {new.minutes} | 2.5 | - | TODO | TODO |"
+    said = f"{second.about['needs']} | {second.about['left_out']}"
+    assert lines[start + 3] == f"| 2 | 40 More | {new.minutes} | 2.5 | - | {said} |"
     assert lines[start + 4] == ""
 
 

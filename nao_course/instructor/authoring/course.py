@@ -16,6 +16,7 @@ from nao_course.instructor.gradebook.late import LatePolicy
 
 OUTLINES = Path("nao_course", "exercises", FOLDER)  # the cells of each released notebook
 CHECKS = Path("nao_course", "exercises", "checks")  # in the course's folder: the data of each lesson's checks
+ABOUT = "lessons.toml"  # in the folder of texts: what is said about each lesson outside of it
 
 
 class LessonError(ValueError):

@@ -13,7 +13,7 @@ from nbformat import NotebookNode
 
 from nao_course.exercises import lesson_names
 from nao_course.instructor.authoring import lesson_text
-from nao_course.instructor.authoring.course import Course, LessonError
+from nao_course.instructor.authoring.course import ABOUT, Course, LessonError
 
 # The exercise that a scaffold declares doubles a number: all its parts are there, and each is to be replaced.
 _DECLARATION = '''def _{name}_public() -> list[Case]:
@@ -217,6 +217,14 @@ def test_twice_a_number_is_the_number_and_itself(solution, rng):
     for value in rng.uniform(-10, 10, 20):
         assert np.isclose(solution["{first}"](value), value + value)
 '''
+_ABOUT = """
+["{number}"]
+does = "TODO: what a student does, for the README"
+needs = "TODO: what a student must know"
+left_out = "TODO: what happens without the lesson"
+card = [0.0, 0.0, 1.0, 1.0]  # TODO: a part of the opening figure: left, top, right, bottom
+card_shows = "TODO: what is seen there, for who cannot see it"
+"""
 LINE_LENGTH = 110  # of the formatter, as in pyproject.toml
 # The panel of a new lesson, and what its set-up imports for it.
 PANEL_IMPORT = "from nao_course.widgets import FunctionPanel, Slider"
@@ -235,8 +243,8 @@ TEXT = "scaffold.md"  # beside this module: the text of a new lesson
 def add_lesson(course: Course, number: str, name: str) -> list[Path]:
     """Begin a lesson with two digits that no lesson has, and a name of lower-case words with underscores.
 
-    Return the text, the declaration, and the test of its equations. Raise a LessonError if number or name cannot be
-    used.
+    Return the text, the declaration, the test of its equations, and the file of what the course says about lessons,
+    which gets a part. Raise a LessonError if number or name cannot be used.
     """
     if not re.fullmatch(r"\d\d", number) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise LessonError(
@@ -248,10 +256,13 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
     words = _words(number, name)
     stem = words["stem"]
     text = (resources.files(__package__) / TEXT).read_text(encoding="utf-8")
+    about = course.solutions / ABOUT
+    said = about.read_text(encoding="utf-8") if about.is_file() else ""
     made = {
         course.text(stem): lesson_text.HEADER + text.format_map(words),
         course.declaration(stem): _PLAN.format_map(words),
         course.root / "tests" / "lessons" / f"test_{stem}.py": _TEST.format_map(words),
+        about: said + _ABOUT.format_map(words),
     }
     for path, content in made.items():
         path.parent.mkdir(parents=True, exist_ok=True)

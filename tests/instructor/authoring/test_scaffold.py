@@ -17,6 +17,7 @@ from nao_course.instructor.authoring.mutation import mutate
 from tests.lessons import every, test_built, test_exercises, test_lessons
 from tests.paths import PROJECT
 from tests.toy.course import contents, run, write
+from website import lessons
 
 
 def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished(built):
@@ -35,6 +36,13 @@ def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished
     result = run("release", "--out", "dist")
     assert result.exit_code == 1 and "07_ekf_slam.ipynb says TODO" in result.output
     assert not Path("dist").exists()
+
+
+def test_a_new_lesson_begins_what_the_course_says_about_it_and_keeps_the_others(course, monkeypatch):
+    for number, name in (("07", "ekf_slam"), ("08", "graph_slam")):
+        assert run("new", "lesson", number, name).exit_code == 0
+    monkeypatch.setattr(lessons, "ROOT", course.root)
+    assert all(lessons._about(number)["does"].startswith("TODO") for number in ("07", "08"))
 
 
 @pytest.mark.parametrize(
