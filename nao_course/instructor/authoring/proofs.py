@@ -96,7 +96,7 @@ class Proofs:
         return (json.dumps(lines, indent=2, sort_keys=True) + "\n").encode()
 
     def is_vouched_for(self, name: str, data: bytes) -> bool:
-        """Return whether the manifest has a proof of these check data on the same inputs, with any versions of libraries."""
+        """Return whether these check data were proven on the same inputs, with any versions of libraries."""
         inputs, _, found = self._manifest.get(name, "").partition(" ")
         return inputs == self.rests_on(name) and found.endswith(_hash(data))
 
