@@ -33,7 +33,8 @@ BOXES: tuple[tuple[str, str, str, float, float, float, float], ...] = (
     (COURSE, "sim", "the simulated NAO", 4.8, 1.7, 3.9, 0.8),
     (COURSE, "homework", "packing a notebook", 9.0, 7.1, 2.8, 0.8),
     (COURSE, "exercises", "checks, comparisons,\nreading a notebook", 9.0, 1.7, 2.8, 5.3),
-    (COURSE, "codec", "values as bytes", 4.8, 0.3, 7.0, 1.0),
+    (COURSE, "codec", "values as bytes", 4.8, 0.9, 7.0, 0.7),
+    (COURSE, "_internal", "lazy imports, time limits", 4.8, 0.1, 7.0, 0.7),
     (GRADER, "commands", "grade, export ...", 13.4, 7.8, 1.9, 1.0),
     (GRADER, "similarity", "shared code", 15.5, 7.8, 1.9, 1.0),
     (GRADER, "autograding", "grades a class", 13.4, 6.3, 4.0, 1.3),
@@ -73,12 +74,15 @@ def draw_house() -> bytes:
         left, low, width, height = ROOMS[part]
         _arrow(axes, (13.2, low + height / 2), (left + width, low + height / 2))
     _arrow(axes, (3.2, 4.8), (4.6, 4.8))
-    _arrow(axes, (13.4, 5.3), (11.8, 5.3), style="--")
-    axes.text(12.6, 5.5, "checks,\noutlines", ha="center", fontsize=7.5)
+    axes.plot([1.7, 1.7, 12.6, 12.6], [4.0, -0.1, -0.1, 4.9], color="#333", lw=1)
+    _arrow(axes, (12.6, 4.9), (13.4, 4.9))
+    _arrow(axes, (13.4, 5.7), (11.8, 5.7), style="--")
+    axes.text(12.6, 5.85, "checks,\noutlines", ha="center", fontsize=7.5)
+    axes.text(2.6, 0.05, "writes mistakes with", ha="center", fontsize=7.5)
     axes.text(4.0, 4.95, "declares\nwith", ha="center", fontsize=7.5)
     axes.text(
         8.8,
-        -0.35,
+        -0.42,
         "solid: imports        dashed: files that `nao-course build` writes",
         ha="center",
         fontsize=8,

@@ -1,3 +1,3 @@
-"""What students handed in: folders, archives, and the names that learning platforms give."""
+"""What students handed in: folders, archives, and the layouts of learning platforms' downloads."""
 
-__all__: list[str] = ["archives", "names", "submissions"]
+__all__: list[str] = ["archives", "layouts", "names", "submissions"]
