@@ -593,7 +593,7 @@ SEGMENT_INTERSECTION = Exercise(
         reach as a part: -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t <= 1 + reach and -reach <= s <= 1 + reach
             You compare reach, which is in pixels, with the parameter, which is a fraction of the length. Divide reach by the length first.
         parallel by chance: np.sin(np.radians(10)) * n * m => 0
-            You return a crossing of segments that are less than 10 degrees apart. These are mostly the two edges of one line: return None.
+            You return a crossing of segments that are less than 10 degrees apart. These are mostly the two edges of one line: return None. If you do test the angle, is your 10 in radians?
         the first length twice: np.sin(np.radians(10)) * n * m => np.sin(np.radians(10)) * n * n
             You compare D x E with the square of the first length, so a long segment is parallel to every short one. Multiply the lengths of both segments.
         the second length twice: np.sin(np.radians(10)) * n * m => np.sin(np.radians(10)) * m * m

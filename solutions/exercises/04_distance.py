@@ -839,7 +839,7 @@ PLAN = LessonPlan(
             "what_helps",
             "At 3 m a mark is 1 pixel off at 320 x 240, and the tilt has a standard deviation of 0.7 degrees. What makes the range much more accurate?",
             {
-                "Pictures of 1280 x 960.": "They reduce the 7 cm of the pixel to 2 cm. The 23 cm of the tilt remain, so the total error is 24 instead of 25 cm.",
+                "Pictures of 1280 x 960.": "They reduce the 7 cm of the pixel to 2 cm. The 23 cm of the tilt remain, so the total error is 23 instead of 24 cm.",
                 "The mean of three landmarks in the same picture.": "They share the tilt of the picture. If all three ranges are too long, their mean is too long as well.",
                 "The mean of three pictures.": "Each picture has its own tilt, so the mean of three is better by the square root of three: 14 cm. A calibration has to come first, because a constant error remains in the mean.",
             },

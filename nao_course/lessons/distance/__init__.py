@@ -11,6 +11,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "looks": ("MarkedPicture", "look_around", "usual_view"),
         "noise_figures": (
             "draw_asymmetry",
+            "draw_landmark_clouds",
             "draw_pixel_worth",
             "draw_shared_tilt",
             "draw_tilt_band",

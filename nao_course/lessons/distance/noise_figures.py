@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.path import Path as PathOf
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.distance.looks import Function, ahead, measure_pixels, tilted_measurements, usual_view
@@ -270,6 +271,70 @@ def draw_shared_tilt(
         f"Correlation of their ranges by the student's covariance, 1-2, 1-3 and 2-3: {ranges}."
     )
     return Drawing(figure, words)
+
+
+@course_style()
+def draw_landmark_clouds(
+    pixel_to_ground: Function,
+    ground_to_measurement: Function,
+    measurement_covariance: Function,
+    landmark_ellipse: Function,
+    pixel_sigma: float,
+    tilt_sigma: float,
+    pictures: int = 400,
+) -> Drawing:
+    """Draw the points of three landmarks in many pictures, and the ellipses that follow from the covariance of one.
+
+    Parameters
+    ----------
+    pixel_to_ground, ground_to_measurement, measurement_covariance : callable
+        The student's.
+    landmark_ellipse : callable
+        Returns the outline (M, 2), m, robot frame, from (bearing, range) and their covariance (2, 2).
+    pixel_sigma, tilt_sigma : float
+        Standard deviations of a mark, px, and of the camera's angle, rad.
+    pictures : int
+        Number of pictures.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text has the share of the points in each ellipse.
+    """
+    view, places, rng = usual_view(), three_landmarks(), np.random.default_rng(6)
+    tilts = tilt_sigma * rng.standard_normal(pictures)
+    errors = pixel_sigma * rng.standard_normal((pictures, len(places), 2))
+    measured = tilted_measurements(pixel_to_ground, ground_to_measurement, view, places, tilts, errors)
+    points = measured[..., 1:] * np.stack([np.cos(measured[..., 0]), np.sin(measured[..., 0])], axis=-1)
+    true = np.column_stack([np.arctan2(places[:, 1], places[:, 0]), np.linalg.norm(places, axis=1)])
+    full = np.asarray(
+        measurement_covariance(view.project(places), view, pixel_sigma, tilt_sigma), dtype=float
+    )
+    figure = Figure(figsize=(9.6, 3.9))
+    shares = []
+    for i, (ax, (bearing, away)) in enumerate(zip(figure.subplots(1, 3), true, strict=True)):
+        outline = np.asarray(landmark_ellipse(bearing, away, full[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]))
+        shares.append(float(np.mean(PathOf(outline).contains_points(points[:, i]))))
+        way = np.array([np.cos(bearing), np.sin(bearing)])
+        axes = 100 * np.column_stack([way, [-way[1], way[0]]])
+        ax.plot(*((points[:, i] - places[i]) @ axes).T, ".", color="#888888", ms=4, zorder=1)
+        ax.plot(*((outline - places[i]) @ axes).T, color=EXACT, lw=1.8, zorder=3)
+        ax.plot(0, 0, "o", mfc="none", mec=TRUTH, ms=9, mew=1.4, zorder=4)
+        ax.set_title(f"{away:.0f} m away: {shares[-1]:.0%} inside", fontsize=11)
+        ax.set(xlabel="along the line of sight (cm)", ylabel="" if i else "across it (cm)")
+        ax.grid(color="#e3e5e8")
+    keys = [
+        Line2D([], [], color="#888888", marker=".", ls="", label=f"points of {pictures} pictures"),
+        Line2D([], [], color=EXACT, lw=1.8, label="your 95 % ellipse"),
+        Line2D([], [], mec=TRUTH, mfc="none", marker="o", ls="", ms=9, label="true landmark"),
+    ]
+    legend_below(figure, keys)
+    said = ", ".join(f"{share:.0%}" for share in shares)
+    return Drawing(
+        figure,
+        f"Points of three landmarks, 1, 2 and 3 m from the robot, in {pictures} pictures: three clouds that are "
+        f"much longer along the line of sight than across it. Share of the points in each ellipse: {said}.",
+    )
 
 
 def three_landmarks() -> FloatArray:

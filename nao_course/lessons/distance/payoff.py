@@ -26,7 +26,8 @@ POSE = Pose(0.95, 0.45, -0.12)
 YAWS = {"head to the left": 0.62, "straight ahead": 0.0, "to the right": -0.62}
 SHOWN_X, SHOWN_Y = (-0.4, 4.5), (-2.9, 3.2)  # m: whole ellipses
 FARTHEST = 3.5  # m: farther marks are left out
-ESTIMATE = STYLES["ekf"].colour
+COLOURS = ("#0b7d74", "#8e3fa8", "#b35c00")  # of the three pictures; none is a colour of a path
+TRUE = STYLES["truth"].colour
 
 
 @cache
@@ -40,66 +41,87 @@ def draw_payoff(
     pixel_to_ground: Callable[..., Any],
     ground_to_measurement: Callable[..., Any],
     measurement_covariance: Callable[..., Any],
+    estimate_pitch: Callable[..., Any],
 ) -> Drawing:
-    """Draw three pictures with their landmarks marked, and the map with a point and an ellipse for each mark.
+    """Draw three pictures with marks, their points with ellipses on the map, and the points without each one's tilt.
 
     Parameters
     ----------
-    pixel_to_ground, ground_to_measurement, measurement_covariance : callable
+    pixel_to_ground, ground_to_measurement, measurement_covariance, estimate_pitch : callable
         The student's.
 
     Returns
     -------
     Drawing
-        The figure; its text says how far the points are from the landmarks.
+        The figure; its text says how far the points are from the landmarks, before and after.
     """
-    own = (pixel_to_ground, ground_to_measurement, measurement_covariance)
-    errors: list[float] = []
-    figure = Figure(figsize=(9.6, 8.6))
-    grid = figure.add_gridspec(2, 3, height_ratios=[1, 2.1])
-    above = figure.add_subplot(grid[1, :])
-    plot_field(Field(2012), above)
+    figure = Figure(figsize=(9.6, 8.4))
+    grid = figure.add_gridspec(2, 6, height_ratios=[1, 2.1])
+    maps = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
+    errors: tuple[list[float], list[float]] = ([], [])
+    tilts = []
     for column, (title, look) in enumerate(zip(YAWS, payoff_pictures(), strict=True)):
-        ax = figure.add_subplot(grid[0, column])
+        ax, colour = figure.add_subplot(grid[0, 2 * column : 2 * column + 2]), COLOURS[column]
+        ax.set_title(title, fontsize=10, color=colour, weight="bold")
+        _plot_marks(look, ax, colour)
+        own = POSE.to_local(look.landmarks)
+        tilt = float(estimate_pitch(look.marks.copy(), own, look.view))
+        tilts.append(np.degrees(tilt))
+        _plot_ellipses(look, maps[0], colour, pixel_to_ground, ground_to_measurement, measurement_covariance)
+        for each, ax, turned in zip(errors, maps, (look, look.with_tilt(-tilt)), strict=True):
+            each += _plot_points(turned, ax, colour, pixel_to_ground)
+    for ax, title in zip(
+        maps, ("with the assumed tilt, and 95 % ellipses", "after one angle for each picture"), strict=True
+    ):
+        plot_field(Field(2012), ax)
+        ax.set(xlim=SHOWN_X, ylim=SHOWN_Y)
         ax.set_title(title, fontsize=10)
-        _plot_marks(look, ax)
-        errors += _plot_points(look, above, *own)
-    above.set(xlim=SHOWN_X, ylim=SHOWN_Y)
-    plot_pose(POSE, above, "truth")
-    ellipse = Line2D([], [], color=ESTIMATE, lw=1.4, label="95 % ellipse")
-    robot = Line2D([], [], color=STYLES["truth"].colour, marker="o", ls="", ms=8, label="robot")
-    legend_below(
-        figure, [*landmark_keys(("corner", "post"), ESTIMATE, "measured"), ellipse, robot], columns=4
-    )
+        plot_pose(POSE, ax, "truth")
+        seen = [place for look in payoff_pictures() for place in look.landmarks.tolist()]
+        ax.plot(*np.transpose(seen), "o", mfc="none", mec=TRUE, ms=11, mew=1.1, ls="")
+    robot = Line2D([], [], color=TRUE, marker="o", ls="", ms=8, label="robot")
+    true = Line2D([], [], mec=TRUE, mfc="none", marker="o", ls="", ms=10, label="true landmark")
+    legend_below(figure, [*landmark_keys(("corner", "post"), "#555555", "measured"), true, robot], columns=4)
+    before, after = errors
     words = (
-        f"Three pictures of the field with {len(errors)} corners and posts marked, and the map: each mark has become a "
-        f"point with an ellipse that grows with the distance. The points are {np.median(errors):.2f} m from their "
-        f"landmarks in the median, {max(errors):.2f} m at most."
+        f"Three pictures of the field with {len(before)} corners and posts marked, each picture in its own colour. On "
+        f"the left map each mark has become a point with an ellipse that grows with the distance; the points are "
+        f"{np.median(before):.2f} m from their landmarks in the median, {max(before):.2f} m at most. On the right map "
+        f"each picture was turned by one angle ({', '.join(f'{each:.1f}' for each in tilts)} degrees), and its points "
+        f"are {np.median(after):.2f} m off in the median, {max(after):.2f} m at most."
     )
     return Drawing(figure, words, photo=True)
 
 
-def _plot_marks(look: MarkedPicture, ax: Axes) -> None:
+def _plot_marks(look: MarkedPicture, ax: Axes, colour: str) -> None:
     """Draw a picture with its marks."""
     plot_picture(look.pixels, ax, ticks=False)
     for kind, (u, v) in zip(look.kinds, look.marks, strict=True):
         marker = LANDMARK_MARKERS[kind]
-        ax.plot(u, v, marker, color=ESTIMATE, mfc="none", ms=9, mew=1.9, path_effects=HALO)
+        ax.plot(u, v, marker, color=colour, mfc="none", ms=9, mew=1.9, path_effects=HALO)
 
 
-def _plot_points(
-    look: MarkedPicture, ax: Axes, to_ground: Function, to_measurement: Function, covariance: Function
-) -> list[float]:
-    """Draw the marks as points with ellipses, and return their distances from the landmarks in m."""
-    ground = np.asarray(to_ground(look.marks.copy(), look.view), dtype=float)
-    measured = np.asarray(to_measurement(ground.copy()), dtype=float)
+def _plot_points(look: MarkedPicture, ax: Axes, colour: str, to_ground: Function) -> list[float]:
+    """Draw the marks as points on the map, and return their distances from the landmarks in m."""
+    points = POSE.to_parent(np.asarray(to_ground(look.marks.copy(), look.view), dtype=float))
+    plot_landmarks(points, look.kinds, ax, colour)
+    return [float(each) for each in np.linalg.norm(points - look.landmarks, axis=1)]
+
+
+def _plot_ellipses(
+    look: MarkedPicture,
+    ax: Axes,
+    colour: str,
+    to_ground: Function,
+    to_measurement: Function,
+    covariance: Function,
+) -> None:
+    """Draw the ellipse of each mark on the map."""
+    measured = np.asarray(to_measurement(to_ground(look.marks.copy(), look.view)), dtype=float)
     full = np.asarray(covariance(look.marks.copy(), look.view, PIXEL_SIGMA, TILT_SIGMA), dtype=float)
     outlines = polar_outlines(measured, full)
     in_world = POSE.to_parent(outlines.reshape(-1, 2)).reshape(outlines.shape)
-    ax.add_collection(filled_outlines(in_world, ESTIMATE))
-    points = POSE.to_parent(ground)
-    plot_landmarks(points, look.kinds, ax, ESTIMATE)
-    return [float(each) for each in np.linalg.norm(points - look.landmarks, axis=1)]
+    ax.add_collection(filled_outlines(in_world, colour))
 
 
 def polar_outlines(measurements: FloatArray, covariance: FloatArray, probability: float = 0.95) -> FloatArray:

@@ -20,6 +20,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "scenes": (
             "CornerPicture",
             "match_pictures",
+            "other_rooms",
             "ready_made_segments",
             "real_pictures",
             "rows_between",

@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from nao_course.challenges import CaseScore, Challenge, Column, recorded_rows
 from nao_course.challenges.answers import as_found_points
 from nao_course.challenges.worst_scenes import worst_scenes_of
-from nao_course.lessons.hough_corners.scenes import CornerPicture
-from nao_course.metrics import CornerTruth, corner_cost
-from nao_course.sim import Scene, standard_scenes
+from nao_course.lessons.hough_corners.scenes import CornerPicture, other_rooms
+from nao_course.metrics import corner_cost
 
 PICTURES = 30
 
 
-@cache
-def _scenes() -> tuple[Scene, ...]:
-    return standard_scenes("report")
-
-
 def make_picture(number: int) -> CornerPicture:
     """Return one of the thirty pictures of the simulator's reporting set."""
-    scene = _scenes()[number]
-    return CornerPicture(scene.pixels, CornerTruth.of(scene.truth))
+    return other_rooms()[number]
 
 
 def judge(answer: Any, picture: CornerPicture) -> CaseScore:

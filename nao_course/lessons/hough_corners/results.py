@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from nao_course.lessons.hough_corners.measuring import STEPS, count_corners
 from nao_course.lessons.hough_corners.scenes import (
+    CornerPicture,
     goal_line_at,
     match_pictures,
     real_pictures,
@@ -29,22 +30,27 @@ from nao_course.sim import Reality
 REAL = dict(zip(STEPS, (10, 10, 10, 7, 0), strict=True))
 
 
-def draw_costs(detectors: Mapping[str, Callable[[Any], Any]]) -> Drawing:
-    """Draw the mean costs of detectors on the thirty tuning pictures, and of reporting nothing.
+def draw_costs(
+    detectors: Mapping[str, Callable[[Any], Any]], pictures: Sequence[CornerPicture] | None = None
+) -> Drawing:
+    """Draw the mean costs of detectors, and their differences from reporting nothing or from another detector.
 
     Parameters
     ----------
     detectors : mapping of str to callable
         The detectors, by name: ``find(pixels)`` returns corners (K, 2).
+    pictures : sequence of CornerPicture, optional
+        Pictures in which the others are compared with the first detector. By default the thirty tuning pictures, in
+        which all are compared with reporting nothing.
 
     Returns
     -------
     Drawing
-        Mean costs on the left, mean differences from reporting nothing on the right, both with 95 % intervals.
+        Mean costs on the left, mean differences on the right, both with 95 % intervals.
     """
-    pictures = tuning_pictures()
-    matches = {name: match_pictures(find, pictures) for name, find in detectors.items()}
-    return draw_matches({"nothing": match_pictures(lambda pixels: [], pictures), **matches})
+    compared = detectors if pictures else {"nothing": lambda pixels: [], **detectors}
+    among = pictures or tuning_pictures()
+    return draw_matches({name: match_pictures(find, among) for name, find in compared.items()})
 
 
 def mean_cost(find: Callable[[Any], Any]) -> float:

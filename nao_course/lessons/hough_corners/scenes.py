@@ -92,6 +92,14 @@ def tuning_pictures() -> tuple[CornerPicture, ...]:
     )
 
 
+@cache
+def other_rooms() -> tuple[CornerPicture, ...]:
+    """Return 30 pictures from other rooms, which no detector was tuned on; the challenge uses the same."""
+    return tuple(
+        CornerPicture(scene.pixels, CornerTruth.of(scene.truth)) for scene in standard_scenes("report")
+    )
+
+
 def real_pictures() -> tuple[CornerPicture, ...]:
     """Read eight pictures of a real NAO, one from each place; return none if the recordings are not installed.
 

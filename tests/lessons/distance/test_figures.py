@@ -8,6 +8,7 @@ import pytest
 from nao_course.lessons.distance import (
     draw_arrows,
     draw_asymmetry,
+    draw_landmark_clouds,
     draw_paper_error,
     draw_payoff,
     draw_pixel_worth,
@@ -18,6 +19,10 @@ from nao_course.lessons.distance import (
 )
 from nao_course.lessons.distance.payoff import polar_outlines
 from tests.lessons.distance.own import geometry, own
+from tests.lessons.every import solved
+from tests.paths import SOLUTIONS
+
+TEXT = (SOLUTIONS / "04_distance.md").read_text(encoding="utf-8")
 
 
 def test_the_papers_distance_is_right_near_by_and_short_far_away():
@@ -88,10 +93,30 @@ def test_an_answer_of_another_kind_is_said_with_the_functions_name(answer, said)
         draw_arrows({"the arrows": answer}, usual_view())
 
 
-def test_the_payoff_says_how_far_its_points_are_off():
-    words = draw_payoff(**geometry(), measurement_covariance=own()["measurement_covariance"]).alt
-    median = float(re.search(r"(\d\.\d\d) m from their landmarks in the median", words)[1])
-    assert 0.01 < median < 0.15
+def test_one_angle_for_each_picture_brings_the_points_of_the_payoff_to_their_landmarks():
+    functions = {name: own()[name] for name in ("measurement_covariance", "estimate_pitch")}
+    words = draw_payoff(**geometry(), **functions).alt
+    before, after = (float(each) for each in re.findall(r"(\d\.\d\d) m (?:from|off).*? in the median", words))
+    assert after < 0.6 * before and before < 0.15
+    farthest, corrected = (float(each) for each in re.findall(r"(\d\.\d\d) m at most", words))
+    assert corrected < 0.2 * farthest
+    (tilt,) = re.findall(r"one angle \((\d\.\d), ", words)
+    assert f"the first picture's tilt is {tilt} degrees" in TEXT
+
+
+def test_an_ellipse_from_the_covariance_holds_its_share_of_the_points():
+    cells = [cell.source for cell in solved("04_distance").cells if "def landmark_ellipse" in cell.source]
+    names = {"np": np}
+    exec(cells[0].split("\n\n\nown =")[0], names)
+    words = draw_landmark_clouds(
+        **geometry(),
+        measurement_covariance=own()["measurement_covariance"],
+        landmark_ellipse=names["landmark_ellipse"],
+        pixel_sigma=0.7,
+        tilt_sigma=np.radians(1.0),
+    ).alt
+    shares = [int(each) for each in re.findall(r"(\d+)%", words)]
+    assert len(shares) == 3 and all(92 <= each <= 98 for each in shares)
 
 
 def test_outlines_in_bearing_and_range_are_round_the_point():

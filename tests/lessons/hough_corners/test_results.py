@@ -13,6 +13,7 @@ from nao_course.lessons.hough_corners.labels import DISTANCES, recorded_labels
 from nao_course.lessons.hough_corners.measuring import STEPS, count_corners, with_others
 from nao_course.lessons.hough_corners.scenes import (
     match_pictures,
+    other_rooms,
     ready_made_segments,
     real_pictures,
     running_picture,
@@ -142,10 +143,47 @@ def test_with_centre_lines_the_detector_is_better_than_nothing_and_the_text_says
     match, cost, less, (low, high) = against_nothing(tuning_pictures(), with_centre_lines)
     assert match.false == 0 and high < 0
     counts = f"{match.hits} of {len(match.found)} corners"
-    quotes(TEXT, counts, f"cost is {cost:.2f}", f"{-less:.2f} more", f"{low:.2f} to {high:.2f}")
-    *_, (low, high) = against_nothing(tuning_pictures(), with_a_larger_gap)
+    quotes(TEXT, counts, f"cost is {cost:.2f}", f"{less:.2f} ({low:.2f} to {high:.2f})")
+
+
+def against_edges(pictures):
+    """Return what edges and centre lines find with the larger gap, their mean costs, and the difference's interval."""
+    found = [
+        match_pictures(lambda picture, find=find: find(label(picture)), pictures)
+        for find in (with_a_larger_gap, with_centre_lines)
+    ]
+    costs = [np.array([corner_cost(match) for match in each]) for each in found]
+    return [total(each) for each in found], [each.mean() for each in costs], costs[1] - costs[0]
+
+
+@pytest.mark.slow
+def test_only_other_rooms_show_that_centre_lines_are_better_than_edges_and_the_text_says_by_how_much():
+    (edges, _), _, difference = against_edges(tuning_pictures())
+    low, high = mean_interval(difference)
     assert low < 0 < high
-    quotes(TEXT, f"{low:.2f} to {high:.2f}")
+    quotes(
+        TEXT,
+        f"difference, {difference.mean():.2f}",
+        f"from {low:.2f} to {high:.2f}",
+        f"finds {edges.hits} corners",
+    )
+    (edges, centres), (cost, _), difference = against_edges(other_rooms())
+    low, high = mean_interval(difference)
+    assert high < 0
+    quotes(
+        TEXT,
+        f"difference is {difference.mean():.2f}",
+        f"{low:.2f} to {high:.2f}",
+        f"nothing, {cost:.2f} against 2.60",
+    )
+    quotes(
+        TEXT,
+        f"finds {edges.false} false corners",
+        f"{edges.false - centres.false} of the {edges.false} false corners",
+    )
+    quotes(TEXT, f"{edges.hits - centres.hits} of the {edges.hits} true ones")
+    fewer = against_nothing(other_rooms(), OWN["find_corners"])[0]
+    quotes(TEXT, f"false corners instead of {fewer.false}")
 
 
 @pytest.mark.slow
