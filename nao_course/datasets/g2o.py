@@ -1,15 +1,23 @@
-"""Pose graphs in g2o's text format. A malformed file raises an error with the line; writing loses no precision."""
+"""Pose graphs in the text formats of g2o and TORO. A malformed file raises an error with the line.
+
+Writing loses no precision. FIX is written last, because GTSAM 4.3 reads no edge below it.
+"""
 
 from __future__ import annotations
 
-from collections import deque
+import re
+import warnings
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
+from nao_course._internal.counts import say_count
 from nao_course.datasets.files import brief, text_of
 from nao_course.geometry import FloatArray, Pose
 from nao_course.graphs import LANDMARK, POSE, Graph
@@ -19,8 +27,14 @@ LARGEST_GRAPH = 100_000_000  # bytes
 LARGEST_NUMBER = 1e15
 LEAST_EIGENVALUE = 1e-12  # of a usable information matrix, after its diagonal has been scaled to 1
 
+MOST_UNKNOWN_TAGS = 20  # of a file that may be a graph
+
 # For each tag, the number of vertex names, and the number of values after them.
 WIDTHS = {"VERTEX_SE2": (1, 3), "VERTEX_XY": (1, 2), "EDGE_SE2": (2, 9), "EDGE_SE2_XY": (2, 5), "FIX": (1, 0)}
+TORO = {"VERTEX2": "VERTEX_SE2", "EDGE2": "EDGE_SE2"}
+# Places of g2o's upper triangle (11 12 13 22 23 33) in TORO's order (11 12 22 33 13 23), and the other way round.
+FROM_TORO, TO_TORO = [0, 1, 4, 2, 5, 3], [0, 1, 3, 5, 2, 4]
+_TAG = re.compile(r"[A-Za-z][A-Za-z0-9_:]{0,60}")
 KIND_OF_VERTEX = {"VERTEX_SE2": POSE, "VERTEX_XY": LANDMARK}
 NAME_OF_KIND = {POSE: "pose", LANDMARK: "landmark"}
 KIND_OF_END = {"EDGE_SE2": POSE, "EDGE_SE2_XY": LANDMARK}
@@ -35,9 +49,12 @@ class Record(NamedTuple):
 
 
 def read_g2o(path: Path | str) -> tuple[Graph, FloatArray]:
-    """Read a pose graph in the plane from a g2o file.
+    """Read a pose graph in the plane from a file of g2o or TORO.
 
-    The tags VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY and FIX are known, and ``#`` starts a comment.
+    The tags VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY and FIX of g2o are known, and VERTEX2 and EDGE2 of TORO, whose
+    information matrices have another order. ``#`` starts a comment. Lines with other tags are left out with a warning,
+    and so are all FIX names but the first, because a `Graph` holds only its first pose. A warning also says if the
+    edges do not connect all vertices.
 
     Some published graphs, such as CSAIL and KITTI, have no VERTEX lines at all. The initial guess then follows the
     edges, breadth first, from the pose of the FIX line, or from the pose with the lowest id. That pose is the origin.
@@ -58,9 +75,9 @@ def read_g2o(path: Path | str) -> tuple[Graph, FloatArray]:
     Raises
     ------
     ValueError
-        If the file is missing, empty or too large. If a line has an unknown tag, a wrong number of values, a value that
-        is not finite, an unknown or duplicate vertex, or an information matrix that is not positive definite. If there
-        are no VERTEX lines and the edges do not connect all poses. The message contains the file and the line.
+        If the file is missing, empty or too large. If a line has a wrong number of values, a value that is not finite,
+        an unknown or duplicate vertex, or an information matrix that is not positive definite. If there are no VERTEX
+        lines and the edges do not connect all poses. The message contains the file and the line.
     """
     path = Path(path)
     records = _records(path)
@@ -78,11 +95,14 @@ def read_g2o(path: Path | str) -> tuple[Graph, FloatArray]:
         values = _numbers(path, rows, width + width * (width + 1) // 2)
         measurements[chosen, :width] = values[:, :width]
         information[chosen, :width, :width] = _information(path, rows, values[:, width:], width)
+    _warn_of_islands(path, ends, ids)
     return Graph(np.array(ends, dtype=int), measurements, information, np.array(kinds), np.array(ids)), states
 
 
-def write_g2o(graph: Graph, states: npt.ArrayLike, path: Path | str) -> Path:
-    """Write a graph and its states to a g2o file, from which `read_g2o` restores both to the last bit.
+def write_g2o(
+    graph: Graph, states: npt.ArrayLike, path: Path | str, *, form: Literal["g2o", "toro"] = "g2o"
+) -> Path:
+    """Write a graph and its states to a file of g2o or TORO, from which `read_g2o` restores both to the last bit.
 
     Parameters
     ----------
@@ -92,6 +112,8 @@ def write_g2o(graph: Graph, states: npt.ArrayLike, path: Path | str) -> Path:
         Initial guess or optimum, m and rad.
     path : path
         Path of the file, which is overwritten if it exists.
+    form : "g2o" or "toro"
+        Format of the file. TORO has no landmarks and no FIX.
 
     Returns
     -------
@@ -101,10 +123,13 @@ def write_g2o(graph: Graph, states: npt.ArrayLike, path: Path | str) -> Path:
     Raises
     ------
     ValueError
-        If a value is not finite, because it could not be read again.
+        If a value is not finite, because it could not be read again, or a graph with landmarks is written for TORO.
     """
     path = Path(path)
     poses, landmarks = graph.split(states)
+    toro = form == "toro"
+    if toro and graph.landmarks:
+        raise ValueError(f"{path}: not written, because TORO has no landmarks; use form='g2o'")
     for name, values in (
         ("states", np.asarray(states)),
         ("edges", graph.measurements),
@@ -115,26 +140,29 @@ def write_g2o(graph: Graph, states: npt.ArrayLike, path: Path | str) -> Path:
     lines = [
         f"{tag} {name} {_words(row)}"
         for tag, names, rows in (
-            ("VERTEX_SE2", graph.ids[: graph.poses], poses),
+            ("VERTEX2" if toro else "VERTEX_SE2", graph.ids[: graph.poses], poses),
             ("VERTEX_XY", graph.ids[graph.poses :], landmarks),
         )
         for name, row in zip(names.tolist(), rows.tolist(), strict=True)
     ]
-    if graph.poses:
+    lines += _edge_lines(graph, toro)
+    if graph.poses and not toro:
         lines.append(f"FIX {graph.ids[0]}")
-    lines += _edge_lines(graph)
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
     return path
 
 
-def _edge_lines(graph: Graph) -> Iterator[str]:
+def _edge_lines(graph: Graph, toro: bool) -> Iterator[str]:
     """Yield the line of each edge, in the order of the graph."""
     upper = {width: np.triu_indices(width) for width in (2, 3)}
     for (first, second), z, information in zip(
         graph.edges, graph.measurements, graph.information, strict=True
     ):
         tag, width = ("EDGE_SE2", 3) if graph.kinds[second] == POSE else ("EDGE_SE2_XY", 2)
-        values = np.concatenate([z[:width], information[upper[width]]])
+        triangle = information[upper[width]]
+        if toro:
+            tag, triangle = "EDGE2", triangle[TO_TORO]
+        values = np.concatenate([z[:width], triangle])
         yield f"{tag} {graph.ids[first]} {graph.ids[second]} {_words(values.tolist())}"
 
 
@@ -146,26 +174,54 @@ def _words(values: Sequence[float]) -> str:
 
 
 def _records(path: Path) -> dict[str, list[Record]]:
-    """Read the lines of a file that are not empty, grouped by tag."""
+    """Read the lines of a file that are not empty, grouped by g2o's tags."""
     lines = text_of(path, LARGEST_GRAPH).splitlines()
     records: dict[str, list[Record]] = {tag: [] for tag in WIDTHS}
+    unknown: Counter[str] = Counter()
     for number, line in enumerate(lines, start=1):
         words = line.partition("#")[0].split()
         if not words:
             continue
         tag = words[0]
-        if tag not in WIDTHS:
-            raise ValueError(
-                f"{path}, line {number}: the tag must be one of {', '.join(WIDTHS)}, got {brief(tag)}"
-            )
-        names, count = WIDTHS[tag]
+        kind = TORO.get(tag, tag)
+        if kind not in WIDTHS:
+            unknown[tag] += 1
+            if not _TAG.fullmatch(tag) or len(unknown) > MOST_UNKNOWN_TAGS:
+                known = ", ".join([*WIDTHS, *TORO])
+                raise ValueError(f"{path}, line {number}: the tag must be one of {known}, got {brief(tag)}")
+            continue
+        if tag == "FIX" and len(words) > 2:
+            records[tag] += [_record(path, number, [name], []) for name in words[1:]]
+            continue
+        names, count = WIDTHS[kind]
         if len(words) != 1 + names + count:
             wanted = f"{names} {'vertex' if names == 1 else 'vertices'} and {count} numbers"
             raise ValueError(
                 f"{path}, line {number}: {tag} needs {wanted}, {1 + names + count} words; got {len(words)}"
             )
-        records[tag].append(_record(path, number, words[1 : 1 + names], words[1 + names :]))
+        record = _record(path, number, words[1 : 1 + names], words[1 + names :])
+        if tag == "EDGE2":
+            triangle = [record.numbers[3 + place] for place in FROM_TORO]
+            record = record._replace(numbers=[*record.numbers[:3], *triangle])
+        records[kind].append(record)
+    if unknown:
+        left_out = ", ".join(f"{brief(tag)} ({say_count(times, 'line')})" for tag, times in unknown.items())
+        warnings.warn(f"{path}: left out lines whose tags are not known: {left_out}", stacklevel=3)
     return records
+
+
+def _warn_of_islands(path: Path, ends: Sequence[tuple[int, int]], ids: Sequence[int]) -> None:
+    """Warn of a graph whose edges do not connect all vertices, because no solver finds one solution for it."""
+    edges = np.array(ends, dtype=int).reshape(-1, 2)
+    pairs = coo_array((np.ones(len(edges)), edges.T), shape=(len(ids), len(ids)))
+    count, part = connected_components(pairs, directed=False)
+    if count > 1:
+        other = ids[int(np.argmax(part != part[0]))]
+        warnings.warn(
+            f"{path}: the edges do not connect all vertices: {count} parts, and vertices {ids[0]} and {other} are in "
+            "different ones",
+            stacklevel=3,
+        )
 
 
 def _record(path: Path, line: int, names: list[str], words: list[str]) -> Record:
@@ -252,12 +308,17 @@ def _vertices(path: Path, records: dict[str, list[Record]]) -> tuple[list[int], 
                 f"{path}, line {record.line}: vertex {name} is already defined in line {seen[name]}"
             )
         seen[name] = record.line
-    for number, fixed in enumerate(records["FIX"]):
-        at = [row for row, record in enumerate(poses) if record.ids == fixed.ids]
-        if number or not at:
-            problem = "FIX may appear only once" if number else f"there is no pose {fixed.ids[0]}"
-            raise ValueError(f"{path}, line {fixed.line}: {problem}")
-        poses.insert(0, poses.pop(at[0]))
+    row_of = {record.ids[0]: row for row, record in enumerate(poses)}
+    for fixed in records["FIX"]:
+        if fixed.ids[0] not in row_of:
+            raise ValueError(f"{path}, line {fixed.line}: there is no pose {fixed.ids[0]}")
+    held = list(dict.fromkeys(fixed.ids[0] for fixed in records["FIX"]))
+    if held:
+        poses.insert(0, poses.pop(row_of[held[0]]))
+    if len(held) > 1:
+        warnings.warn(
+            f"{path}: FIX names {len(held)} poses; only the first one, {held[0]}, is held", stacklevel=4
+        )
     states = np.concatenate([_numbers(path, poses, 3).ravel(), _numbers(path, landmarks, 2).ravel()])
     ids = [record.ids[0] for record in (*poses, *landmarks)]
     return ids, [POSE] * len(poses) + [LANDMARK] * len(landmarks), states
