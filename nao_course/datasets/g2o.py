@@ -211,7 +211,7 @@ def _records(path: Path) -> dict[str, list[Record]]:
 
 
 def _warn_of_islands(path: Path, ends: Sequence[tuple[int, int]], ids: Sequence[int]) -> None:
-    """Warn of a graph whose edges do not connect all vertices, because no solver finds one solution for it."""
+    """Check that the edges connect all vertices, and warn otherwise, because no solver finds one solution then."""
     edges = np.array(ends, dtype=int).reshape(-1, 2)
     pairs = coo_array((np.ones(len(edges)), edges.T), shape=(len(ids), len(ids)))
     count, part = connected_components(pairs, directed=False)
