@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 
+from benchmarks.challenges.slalom import SLALOM_ENTRIES, plan_through
 from nao_course.challenges import Board
 from nao_course.challenges.running import run
 from nao_course.lessons.meet_the_nao.challenge import CHALLENGE, MOST_COMMANDS, Robot, without_errors
@@ -91,3 +94,49 @@ def test_the_figure_counts_robots_at_each_gate(tmp_path):
     for empty in ([], None):
         came = run(CHALLENGE, lambda plan=empty: plan)
         assert "gate 8: 0" in CHALLENGE.figure(came).alt
+
+
+CENTRES = np.array([(gate.x, gate.y) for gate in GATES])
+BEST_ORDER = (3, 4, 5, 6, 7, 8, 1, 2)
+
+
+def through_centres(order):
+    """A plan through the centres of the gates, and 0.4 m beyond the last of them."""
+    points = CENTRES[np.array(order) - 1]
+    beyond = points[-1] + 0.4 * (points[-1] - points[-2]) / np.hypot(*(points[-1] - points[-2]))
+    return plan_through([*points, beyond])
+
+
+def mean_score(plan, robots, seed):
+    """The score with many robots, as `passed` counts it, but for all of them at once."""
+
+    def cross(a, b):
+        return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+    paths = repeat_drive(plan, robots, np.random.default_rng(seed))[..., None, :2]
+    right, left = np.array([gate.poles for gate in GATES]).transpose(1, 0, 2)
+    step, behind = np.diff(paths, axis=1), cross(left - right, paths - right) < 0
+    between = cross(step, right - paths[:, :-1]) * cross(step, left - paths[:, :-1]) <= 0
+    return ((behind[:, :-1] != behind[:, 1:]) & between).any(axis=1).sum() / robots
+
+
+def test_the_scores_of_orders_that_lesson_00_states():
+    """The best order through the centres, and a better one through other points, which the board shows."""
+    better = SLALOM_ENTRIES["a better order"]
+    plans = through_centres(BEST_ORDER), through_centres(range(1, 9)), better
+    assert [mean_score(plan, 4000, 99) for plan in plans] == pytest.approx([5.07, 4.7, 5.36], abs=0.04)
+    paths = repeat_drive(better, 20, np.random.default_rng(3))
+    assert mean_score(better, 20, 3) == np.mean([passed(path[:, :2]).sum() for path in paths])
+    planned = without_errors(better)[:, :2]
+    assert passed(planned).tolist() == [*[True] * 7, False]
+    (x, y), (dx, dy) = planned[-2], planned[-1] - planned[-2]
+    assert GATES[7].poles[0, 1] - (y + (GATES[7].x - x) / dx * dy) == pytest.approx(0.02, abs=0.005)
+
+
+@pytest.mark.slow
+def test_no_order_through_the_centres_is_better_than_the_one_that_lesson_00_names():
+    """All orders with forty robots each, and the sixty best of them with 4000."""
+    orders = list(permutations(range(1, 9)))
+    few = [mean_score(through_centres(order), 40, number) for number, order in enumerate(orders)]
+    best = sorted(zip(few, orders, strict=True), reverse=True)[:60]
+    assert max((mean_score(through_centres(order), 4000, 99), order) for _, order in best)[1] == BEST_ORDER

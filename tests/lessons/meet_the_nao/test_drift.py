@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.meet_the_nao import commanded, draw_drift, draw_growth, measure_drift
-from nao_course.sim import Field, OdometryNoise, repeat_drive
+from nao_course.sim import Field, OdometryNoise, SimulatedNao, repeat_drive
 from nao_course.slam import Motion
 from tests.drawings import assert_same_bytes_with_words
 
 SQUARE = [Motion(1.0, np.pi / 2)] * 4
+AHEAD = [Motion(1.0, 0.0)] * 16
 
 
 def drift():
@@ -58,9 +59,28 @@ def test_drift_along_and_across_is_what_the_noise_says():
 
 
 def test_straight_ahead_drift_grows_faster_than_on_squares():
-    """What lesson 00 says: four times the way is twice the drift on squares, seven times straight ahead."""
-    on_squares = np.median(measure_drift(SQUARE * 4, 4), axis=0)
-    ahead = np.median(measure_drift([Motion(1.0, 0.0)] * 16, 4), axis=0)
-    assert on_squares[16] / on_squares[4] == pytest.approx(2, rel=0.15)
-    assert ahead[16] / ahead[4] == pytest.approx(7, rel=0.15)
+    """What lesson 00 says: four times the distance is twice the drift on squares, almost eight times straight ahead."""
+    on_squares = np.median(measure_drift(SQUARE * 4, 5), axis=0)
+    ahead = np.median(measure_drift(AHEAD, 5), axis=0)
+    assert on_squares[16] / on_squares[4] == pytest.approx(2, rel=0.05)
+    assert ahead[16] / ahead[4] == pytest.approx(7.85, rel=0.05)
     assert ahead[4] == pytest.approx(0.25, abs=0.01)
+
+
+def test_the_heading_error_alone_makes_most_of_the_drift():
+    """What lesson 00 says: straight ahead it makes the drift eight times as large, and less on squares."""
+    without = OdometryNoise(turn=0.0, turn_per_turn=0.0)
+    ahead, squares = (
+        np.median(measure_drift(drive, 5)[:, -1]) / np.median(measure_drift(drive, 5, without)[:, -1])
+        for drive in (AHEAD, SQUARE * 4)
+    )
+    assert ahead == pytest.approx(8, rel=0.05) and squares == pytest.approx(2.5, rel=0.05)
+
+
+def test_one_degree_of_tilt_moves_a_post_by_a_third_of_a_metre():
+    """The post of lesson 00, 2.8 m ahead and 0.7 m to the left, by the geometry of the ground."""
+    view = SimulatedNao(Field(2012, half=True)).view("bottom")
+    distance = np.hypot(2.8, 0.7) - np.hypot(*view.offset)  # from the camera
+    below = np.arctan2(view.height, distance)
+    off = [view.height / np.tan(below - np.radians(tilt)) - distance for tilt in (-2, -1, 1, 2)]
+    assert off == pytest.approx([-0.49, -0.27, 0.33, 0.75], abs=0.02)
