@@ -67,6 +67,8 @@ PAYING_PRECISION = Exercise(
             You return the reciprocal, which is above 1. A precision is at most 1.
         the other part: return false => return (missed - hit)
             This is the fraction of reports that may be false. Precision is the fraction that is right.
+        the miss in the numerator: return false => return missed
+            Your numerator is the cost of a miss. Set the expected costs equal, p hit + (1 - p) false = p missed, and solve for p: the numerator is the cost of a false report.
         per cent: return false => return 100 * false
             Your function returns a percentage. A precision is a number from 0 to 1.
         false ones for each right one: (false + missed - hit) => (missed - hit)

@@ -624,6 +624,11 @@ INTERSECT_RAYS = Exercise(
             If there is no point, you return only one value. Return two: np.full(3, np.nan) for the point and np.nan for the length.
         None: np.full(3, np.nan), np.nan =>> None, None
             If there is no point, you return None. Return np.full(3, np.nan) for the point and np.nan for the length.
+        None if parallel: if 1 - c**2 < 1e-12: => if 1 - c**2 < 1e-12:
+            +     return None
+            If the rays are parallel, you return None. Return two values: np.full(3, np.nan) for the point and np.nan for the length.
+        None alone: np.full(3, np.nan), np.nan =>> None
+            If there is no point, you return None. Return two values: np.full(3, np.nan) for the point and np.nan for the length.
         c near 1 alone: 1 - c**2 < 1e-12 => 1 - c < 1e-12
             Rays in opposite directions are parallel as well, with c = -1. Check 1 - c^2, which is 0 in both cases.
         too soon parallel: 1e-12 => 1e-6
@@ -1144,6 +1149,8 @@ CHOOSE_MOVE = Exercise(
             predict needs the number of landmarks on the map, (len(state) - 3) // 2, and update_landmarks needs the option's indices.
         the old covariance: update_landmarks(*after => update_landmarks(after[0], covariance
             You pass the covariance from before the move to update_landmarks. Pass both results of predict.
+        the old state: update_landmarks(*after => update_landmarks(state, after[1]
+            You pass the state from before the move to update_landmarks, so H is computed at the wrong pose. Pass both results of predict.
         state and covariance from before: update_landmarks(*after => update_landmarks(state, covariance
             You pass the state and covariance from before the move to update_landmarks, so the move has no effect. Pass both results of predict.
         sum of the block: after[1][0, 0] + after[1][1, 1] => np.sum(after[1][:2, :2])

@@ -243,7 +243,7 @@ def _blind(choose_move: Function, ekf: Sequence[Function]) -> list[Journey]:
 def draw_blind_start(
     choose_move: Function, predict: Function, update_landmarks: Function, add_landmark: Function
 ) -> Drawing:
-    """Draw the standard deviation over drives that start with the back to the goal, and one of these drives."""
+    """Draw stated standard deviation and true error over drives with the back to the goal, and one of these drives."""
     ekf = predict, update_landmarks, add_landmark
     both = {
         "your choice": ("ekf", _blind(choose_move, ekf)),
@@ -252,7 +252,7 @@ def draw_blind_start(
             [journey(at_random(seed), ekf, seed, back=True) for seed in range(TRIED)],
         ),
     }
-    said = []
+    said, off = [], []
     figure = Figure(figsize=(9.9, 4.9))
     ax, field = figure.subplots(1, 2, width_ratios=(1.15, 1))
     for name, (source, journeys) in both.items():
@@ -267,10 +267,13 @@ def draw_blind_start(
             marker=style.marker,
             markevery=4,
             mec="white",
-            label=name,
+            label=f"{name}, standard deviation",
         )
+        error = 100 * np.median([each.errors for each in journeys], axis=0)
+        ax.plot(error, color=style.colour, ls=":", lw=2, label=f"{name}, true error")
         said.append(f"{name} {middle[-1]:.0f} cm")
-    ax.set(xlabel="move", ylabel="standard deviation (cm)", xlim=(0, len(middle) - 1), ylim=(0, None))
+        off.append(f"{name} {error[-1]:.0f} cm")
+    ax.set(xlabel="move", ylabel="median (cm)", xlim=(0, len(middle) - 1), ylim=(0, None))
     ax.set_xticks(range(0, len(middle), 5))
     ax.grid(color="#e3e5e8")
     ax.legend(loc="upper left")
@@ -286,7 +289,8 @@ def draw_blind_start(
     return Drawing(
         figure,
         f"{TRIED} drives that start with the back to the goal. Median standard deviation at the end: "
-        f"{'; '.join(said)}. Right, one drive with your choice and {len(one.known)} landmarks on its map at the end.",
+        f"{'; '.join(said)}. Median true error: {'; '.join(off)}. Right, one drive with your choice and "
+        f"{len(one.known)} landmarks on its map at the end.",
     )
 
 

@@ -39,7 +39,7 @@ _COLOURS = {"unknown": "#c9ccd1", "free": "#ffffff", "box": "#444444"}  # as the
 _PROBE = np.random.default_rng(12).integers(0, 3, (7, 9))
 _STRATEGIES: Mapping[str, Callable[[Any, int], Choose]] = {
     "to the nearest frontier": lambda student, room: nearest_frontier(student.find_frontiers),
-    "anywhere known": lambda student, room: anywhere_known(np.random.default_rng([room, 32])),
+    "to random places": lambda student, room: anywhere_known(np.random.default_rng([room, 32])),
     "in lanes": lambda student, room: lawn_mower(),
 }
 

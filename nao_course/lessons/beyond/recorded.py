@@ -28,6 +28,7 @@ _STRATEGIES = {
     "at random": (STYLES["odometry"].colour, "--", "s"),
     "lanes": (_NEUTRAL, ":", "v"),
 }
+_LABELS = {"at random": "random places"}
 _MOVES = {
     "smallest variance": (STYLES["ekf"].colour, "-", "o"),
     "in a circle": (_NEUTRAL, ":", "v"),
@@ -169,10 +170,11 @@ def draw_coverage() -> Drawing:
     for name, (colour, line, marker) in _STRATEGIES.items():
         low, middle, high = 100 * np.array(recorded["variants"][name]["quartiles"])
         ax.fill_between(range(len(middle)), low, high, color=colour, alpha=0.15, lw=0)
+        label = _LABELS.get(name, name)
         ax.plot(
-            middle, color=colour, ls=line, lw=2, marker=marker, markevery=10, ms=7, mec="white", label=name
+            middle, color=colour, ls=line, lw=2, marker=marker, markevery=10, ms=7, mec="white", label=label
         )
-        said.append(f"{name} {middle[30]:.0f} % after 30 moves and {middle[60]:.0f} % after 60")
+        said.append(f"{label} {middle[30]:.0f} % after 30 moves and {middle[60]:.0f} % after 60")
     ax.axhline(100 * recorded["enough"], color=STYLES["truth"].colour, lw=0.8, zorder=1)
     ax.set(
         xlabel="move", ylabel="known part of the visible area (%)", xlim=(0, len(middle) - 1), ylim=(30, 102)

@@ -145,6 +145,7 @@ def draw_range_budget(
         )
         at = [float(np.interp(d, distances, sigmas)) for d in (1.0, 2.0, 4.0)]
         words.append(f"{name}: {at[0]:.2f} m at 1 m, {at[1]:.2f} m at 2 m, {at[2]:.2f} m at 4 m")
+    ax.axhspan(0.1, 0.3, color="#e3e5e8", lw=0, zorder=0, label="10 - 30 cm, as in the paper")
     ax.set(xlabel="distance over the ground (m)", ylabel="sigma of the range (m)", ylim=(0, None))
     legend_below(figure, ax.get_legend_handles_labels()[0])
     return Drawing(figure, f"Standard deviation of a range due to each source. {'; '.join(words)}.")

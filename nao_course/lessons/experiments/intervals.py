@@ -88,8 +88,8 @@ class Interval(Comparison):
         if width and _fixed(have):
             return Verdict(
                 "value",
-                "your answer is the same for every rng; draw resamples with rng and take the mean of each. (Medians, "
-                "and quantiles of single values, often do not change with rng.)",
+                "your answer is the same for every rng: draw resamples with rng and take the mean of each. A formula "
+                "does not use rng; medians, and quantiles of single values, often give the same for every rng",
             )
         if (have[:, 0] > have[:, 1]).any():
             return Verdict("value", "the lower end is above the upper end; return (low, high)")

@@ -15,7 +15,9 @@ from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, PAP
 from nao_course.lessons.experiments.resampling import (
     CostTable,
     as_table,
+    called_different,
     optimism,
+    placebo,
     rank_correlation,
     shares_won,
 )
@@ -181,25 +183,43 @@ def draw_beside_paper(table: CostTable) -> Drawing:
 
 @course_style()
 def draw_winners(table: CostTable) -> Drawing:
-    """Draw how often each setting is the best when the scenes are resampled."""
-    shares = shares_won(as_table(table))
+    """Draw how often each setting is the best when the scenes are resampled, and a placebo of the filled points.
+
+    The placebo are tables in which all settings are equal: in how many settings is the paired difference from the best
+    called different from 0?
+    """
+    costs = as_table(table)
+    shares = shares_won(costs)
     names = sorted(shares, key=lambda key: -shares[key])
     shown = names[:MOST_BARS]
     bars = {say_setting(key): 100 * shares[key] for key in shown}
     if len(names) > len(shown):
         bars[f"{len(names) - len(shown)} others"] = 100 * sum(shares[key] for key in names[MOST_BARS:])
-    figure = Figure(figsize=(9.6, 3.4))
-    ax = figure.add_subplot()
-    ax.bar(range(len(bars)), list(bars.values()), color=OURS)
-    ax.set_xticks(range(len(bars)), list(bars), fontsize=10)
-    ax.set(ylabel="lowest mean in % of the draws", xlim=(-0.6, len(bars) - 0.4))
-    ax.tick_params(axis="x", length=0)
+    figure = Figure(figsize=(10.4, 3.9))
+    ax, beside = figure.subplots(1, 2, width_ratios=(1.3, 1))
+    ax.barh(range(len(bars)), list(bars.values()), color=OURS)
+    ax.set_yticks(range(len(bars)), list(bars), fontsize=10)
+    ax.set(xlabel="lowest mean in % of the draws", ylim=(len(bars) - 0.4, -0.6))
+    ax.set_title("which setting is the best?", fontsize=11)
+    ax.tick_params(axis="y", length=0)
+    found = placebo(costs)
+    own = called_different(np.array(list(costs.values())), np.random.default_rng(0))
+    beside.hist(found, np.arange(-0.5, len(names)).tolist(), color=GREY, label="27 equal settings")
+    beside.axvline(own, color=OURS, lw=2, label=f"your table: {own}")
+    beside.set(
+        xlabel=f"called different from the best, of {len(names) - 1}", ylabel="number of placebo tables"
+    )
+    beside.set_title(f"placebo: {found.mean():.0f} on average", fontsize=11)
+    beside.legend()
+    low, high = np.quantile(found, (0.1, 0.9))
     said = "; ".join(f"{say_setting(key)}: {100 * shares[key]:.0f} %" for key in names[:6])
     never = sum(shares[key] == 0 for key in names)
     return Drawing(
         figure,
         f"How often each of {len(names)} settings has the lowest mean cost when the scenes are drawn again. {said}. "
-        f"{never} never have it.",
+        f"{never} never have it. In {len(found)} placebo tables of equal settings {found.mean():.0f} of "
+        f"{len(names) - 1} are called different from the best on average, 10 % to 90 %: {low:.0f} to {high:.0f}; in "
+        f"your table {own}.",
     )
 
 

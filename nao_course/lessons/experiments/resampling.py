@@ -48,6 +48,27 @@ def shares_won(table: CostTable, draws: int = DRAWS) -> dict[Setting, float]:
     return dict(zip(table, wins.tolist(), strict=True))
 
 
+def called_different(costs: FloatArray, rng: np.random.Generator, draws: int = 2000) -> int:
+    """Count the settings whose 95 % bootstrap interval of the paired difference from the best does not contain 0.
+
+    `costs` (K, S) has a row for each setting and a column for each scene.
+    """
+    scenes = costs.shape[1]
+    apart = costs - costs[costs.mean(axis=1).argmin()]
+    counts = rng.multinomial(scenes, np.full(scenes, 1 / scenes), draws)
+    low, high = np.quantile(counts @ apart.T / scenes, (0.025, 0.975), axis=0)
+    return int(np.count_nonzero((low > 0) | (high < 0)))
+
+
+def placebo(table: CostTable, runs: int = 200) -> npt.NDArray[np.int64]:
+    """Return for each run how many settings are called different from the best in a table in which all are equal.
+
+    The costs of each scene are permuted among the settings.
+    """
+    costs, rng = np.array(list(table.values())), np.random.default_rng(0)
+    return np.array([called_different(rng.permuted(costs, axis=0), rng) for _ in range(runs)])
+
+
 @dataclass(frozen=True)
 class Optimism:
     """Mean costs of a setting that was chosen on one half of the scenes, over many random halves.

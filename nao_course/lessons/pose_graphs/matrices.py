@@ -15,6 +15,7 @@ from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 from nao_course.lessons.pose_graphs.worlds import World, loop
 from nao_course.plotting import STYLES, Drawing, course_style
+from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY
 
 Linearize = Callable[[Graph, FloatArray], tuple[Any, FloatArray]]
@@ -80,8 +81,11 @@ def draw_free_moves(linearize: Linearize, amounts: Sequence[float] = (0.45, 0.45
     said, graph = [], STYLES["graph"]
     figure = Figure(figsize=(10.4, 4.1))
     zeros = count_of_free_moves(linearize)
-    figure.suptitle(f"{zeros} of {H.shape[0]} eigenvalues are zero", fontsize=12)
-    for ax, (title, move), amount in zip(figure.subplots(1, 3), moves.items(), amounts, strict=True):
+    figure.suptitle(
+        f"{zeros} of {H.shape[0]} eigenvalues are zero; v is the motion of all poses", fontsize=12
+    )
+    axes = figure.subplots(1, 3)
+    for ax, (title, move), amount in zip(axes, moves.items(), amounts, strict=True):
         flat = move.ravel() / np.linalg.norm(move)
         force = float(np.abs(H @ flat).max() / np.abs(H).max())
         ax.plot(*poses[:, :2].T, color=GREY, lw=1.5, label="before")
@@ -91,6 +95,7 @@ def draw_free_moves(linearize: Linearize, amounts: Sequence[float] = (0.45, 0.45
         nothing = "0" if force < 1e-12 else f"{force:.1e}"
         ax.set_title(f"{title}: |H v| = {nothing}", fontsize=11)
         said.append(f"{title}, H times it is {nothing}")
+    legend_below(figure, axes[0].get_legend_handles_labels()[0])
     return Drawing(
         figure,
         f"{zeros} of {H.shape[0]} eigenvalues are zero. Three moves of a map of {len(poses)} poses change no residual: "

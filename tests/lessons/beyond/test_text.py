@@ -254,3 +254,14 @@ def test_the_alt_text_of_the_first_picture_has_the_numbers_of_the_figure():
     told = re.search(r"!\[([^\]]+)\]\(images/12_payoff.png\)", TEXT)[1]
     said = [round(100 * float(each)) for each in re.findall(r"(\d\.\d+) m", drawn)]
     assert [int(each) for each in re.findall(r"(\d+) cm", told)] == said
+
+
+def test_no_particle_starts_near_the_robot_or_is_there_after_three_observations(own):
+    steps = lap(LOST_SEED, max(LOST_SHOWN) - 1)
+    clouds = find_itself(own["weigh"], own["resample"], steps, np.random.default_rng(LOST_SEED), 2000)
+    away = clouds[0] - steps[0].pose
+    turned = np.abs((away[:, 2] + np.pi) % (2 * np.pi) - np.pi)
+    assert not ((np.hypot(away[:, 0], away[:, 1]) < FOUND) & (turned < np.radians(10))).any()
+    off = np.hypot(*(clouds[3] - steps[2].pose)[:, :2].T)
+    assert off.min() > FOUND and 0.4 < np.median(off) < 0.6
+    assert "no particle started within 30 cm and 10 degrees" in TEXT

@@ -116,18 +116,18 @@ def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
         return np.sqrt(np.diag(K @ D @ K.T)) * [100, 100, np.degrees(1)]
 
     both = np.sqrt((errors**2).mean())
-    _, y_before, heading_before = pixels_part((both, both), (both, both))
-    x, y, heading = pixels_part((u, v), (both, both))
-    quotes(
-        TEXT,
-        f"{y:.1f} cm in y",
-        f"{y_before:.1f}",
-        f"{heading:.1f}°",
-        f"{heading_before:.1f}°",
-        f"{x:.1f} cm in x",
-    )
-    x, y, heading = pixels_part((u, v), (u, v))
-    quotes(TEXT, f"{y:.1f} cm in y", f"{heading:.1f}°", f"{x:.1f} cm in x", f"{len(errors)} hits")
+    for row, sigmas, assumed in (
+        (f"one sigma, {both:.1f} px: the budget", (both, both), (both, both)),
+        ("your errors, with the weights of the budget", (u, v), (both, both)),
+        ("your errors, with weights from both sigmas", (u, v), (u, v)),
+    ):
+        x, y, heading = pixels_part(sigmas, assumed)
+        assert f"| {row} | {x:.1f} cm | {y:.1f} cm | {heading:.1f}° |" in TEXT
+    on_the_right = scene.landmarks[[0, 2]]
+    assert on_the_right.tolist() == [[3.0, -1.1], [3.0, -0.7]] and "(3, -1.1) and (3, -0.7)" in TEXT
+    parts = OWN["error_budget"](scene.pose, on_the_right, scene.view, both, np.radians(1))
+    assert {f"{100 * np.sqrt(part[0, 0]):.0f} cm each" for part in parts} == {"24 cm each"}
+    quotes(TEXT, "24 cm each", f"{len(errors)} hits")
     drawn = errors[np.random.default_rng(0).integers(0, len(errors), (4000, len(errors)))]
     low, high = np.quantile(np.sqrt((drawn**2).mean(axis=(1, 2))), [0.025, 0.975])
     quotes(TEXT, f"{both:.1f} px", f"{low:.1f} to {high:.1f}")

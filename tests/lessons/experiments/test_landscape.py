@@ -70,7 +70,9 @@ def test_beside_the_paper_both_sigmas_are_said():
 
 
 def test_winners_and_broken_promises_are_said():
-    assert "110, 4, 30: 100 %" in landscape.draw_winners(table()).alt
+    alt = landscape.draw_winners(table()).alt
+    assert "110, 4, 30: 100 %" in alt and "In 200 placebo tables of equal settings" in alt
+    assert "in your table 26." in alt
     assert "The scenes were divided into halves 1000 times" in landscape.draw_optimism(table()).alt
     noise = table()
     noise[110, 4, 30] = noise[110, 4, 30] + 3.0

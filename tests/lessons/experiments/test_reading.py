@@ -8,7 +8,7 @@ from scipy.stats import binom
 
 from nao_course.lessons.experiments import reading
 from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, SETTINGS
-from nao_course.lessons.experiments.resampling import as_table, optimism, shares_won
+from nao_course.lessons.experiments.resampling import as_table, optimism, placebo, shares_won
 from nao_course.lessons.experiments.scenes import nothing_costs, simulated_scenes
 from tests.lessons.every import quotes
 from tests.lessons.experiments.own import OWN, TEXT, table
@@ -27,20 +27,32 @@ def test_thirteen_of_the_papers_means_cannot_come_from_thirty_pictures():
     assert round(100 * binom.sf(13, 27, measured()["by chance possible"])) == 3
 
 
+def test_the_possible_means_that_need_many_hits_are_those_that_do_not_pass_with_four_thirds():
+    hits = {key: OWN["possible_hits"](mean, 30, 240) for key, mean in reading.PAPER_MEANS.items()}
+    many = sorted((int(each.min()), key) for key, each in hits.items() if len(each) and each.min() > 1)
+    assert [least for least, _ in many] == [25, 115, 135, 225]
+    assert "at least 25, 115, 135 and 225" in TEXT
+    others = {least: round(30 * reading.PAPER_MEANS[key] + 1.333 * least) for least, key in many}
+    false = [int(np.ceil((others[least] - (240 - least)) / 5)) for least in (115, 135, 225)]
+    assert false == [25, 45, 88] and "at least 25, 45 and 88 false reports" in TEXT
+    rest = {key for key, each in hits.items() if len(each)} - {key for _, key in many}
+    assert rest == set(reading.ninetieths())
+
+
 def test_ten_of_the_papers_means_are_ninetieths_and_chance_hardly_ever_does_that():
     """The lesson said "with four thirds it is 17 of 27", as if that were more: 17 are those that cannot be."""
     assert len(reading.ninetieths()) == 27 - measured()["impossible with four thirds"] == 10
     assert (120, 5, 40) in reading.ninetieths() and (110, 4, 40) not in reading.ninetieths()
     numbers = np.arange(2000, 10000) / 1000
     chance = np.mean([abs(90 * each - round(90 * each)) <= 0.045 + 1e-9 for each in numbers])
-    assert "by chance only 9 % would" in TEXT and round(100 * chance) == 9
+    assert "By chance only 9 % of all numbers" in TEXT and round(100 * chance) == 9
     assert "one of 14000 tables" in TEXT and round(1 / binom.sf(9, 27, chance), -3) == 14000
 
 
 def test_the_best_row_has_at_most_25_hits():
     alt = reading.draw_possible(OWN["possible_hits"]).alt
     assert "For 13 there is none" in alt and "For the best setting there are 9 from 1 to 25" in alt
-    assert "every third number of hits, 1, 4, 7 and so on" in TEXT
+    assert "possible with 1, 4, 7 hits and so on, up to 238" in TEXT
     possible = [
         hits
         for hits in range(241)
@@ -122,6 +134,18 @@ def test_the_numbers_of_the_lessons_own_search_are_those_of_its_solution():
     )
     assert sorted(found[130, 7, 30])[-2:] == sorted(found[130, 7, 30][[10, 14]]) == [16, 26]
     assert 0.3 < shares_won(found)[best] < 0.37
+    close, far = (found[key] - found[best] for key in ((120, 4, 50), (130, 7, 30)))
+    assert (close == 0).sum() == 26 and (close >= 0).all() and "as your best in 26 pictures" in TEXT
+    low, high = OWN["bootstrap_interval"](far, 0.95, np.random.default_rng(0))
+    quotes(TEXT, f"{far.min():.1f} to {far.max():.0f}", f"{low:.1f} to {high:.1f}")
+    equal = placebo(as_table(found))
+    low, high = np.quantile(equal, (0.1, 0.9))
+    assert f"{equal.mean():.0f} of 26 settings different on average ({low:.0f} to {high:.0f} in most" in TEXT
+    rng, inside = np.random.default_rng(0), 0
+    for _ in range(400):
+        low, high = OWN["bootstrap_interval"](rng.choice(found[130, 7, 30], 30), 0.95, rng)
+        inside += low <= found[130, 7, 30].mean() <= high
+    assert inside / 400 == pytest.approx(0.87, abs=0.03) and "87 % of samples" in TEXT
     others = {name: reading.recorded_means(name) for name in reading.AGREEING}
     agree = reading.agreement(found, others)
     assert [f"{agree[name][0]:.2f}" for name in reading.AGREEING] == ["0.72", "-0.06", "0.71"]
@@ -130,7 +154,8 @@ def test_the_numbers_of_the_lessons_own_search_are_those_of_its_solution():
     assert set(np.argsort(costs.mean(axis=0))[-3:] + 1) == {25, 11, 15} and (costs[:, 24] == 4).all()
     above = [int((costs[:, number - 1] > 1).sum()) for number in (11, 15)]
     highest = [costs[:, number - 1].max() for number in (11, 15)]
-    quotes(TEXT, f"{above[0]} of the 27 settings ({highest[0]:.0f}", f"{above[1]} of them ({highest[1]:.0f}")
+    quotes(TEXT, f"With {above[0]} of the 27 settings", f"picture 15 does with {above[1]} settings")
+    assert f"they cost {highest[0]:.0f} and {highest[1]:.0f}." in TEXT
     long = {key: costs[row, 10] for row, key in enumerate(SETTINGS) if key[2] == 50}
     assert [key for key, cost in long.items() if cost > 1] == [(110, 7, 50)] and "110, 7, 50" in TEXT
 
@@ -146,9 +171,9 @@ def test_the_text_names_the_settings_of_the_panel_that_surely_cost_less_than_not
     lengths = [each for each in range(15, 85, 5) if below((120, 5, each))[1]]
     gaps = [each for each in range(1, 16) if below((120, each, 40))[1]]
     betas = [each for each in range(80, 185, 5) if below((each, 5, 40))[1]]
-    assert lengths == [45, 60, 65, 70, 75] and "a length of 45 or of 60 to 75 px" in TEXT
-    assert gaps == [2, 8] and "with a gap of 2 or 8" in TEXT
-    assert betas == [140, 145, 155, 165, 180] and "a beta of 140, 145, 155, 165 or 180" in TEXT
+    assert lengths == [45, 60, 65, 70, 75] and "| length | 45, 60, 65, 70, 75 px |" in TEXT
+    assert gaps == [2, 8] and "| gap | 2, 8 px (" in TEXT
+    assert betas == [140, 145, 155, 165, 180] and "| beta | 140, 145, 155, 165, 180 |" in TEXT
     costs, _ = below((165, 5, 40))
     low, high = OWN["bootstrap_interval"](costs, 0.95, np.random.default_rng(0))
     assert f"(at 165 the difference is {costs.mean():.2f}, from about {low:.1f} to {high:.1f})" in TEXT

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.experiments.paper_table import PAPER_MEANS, PAPER_SIGMAS, SETTINGS
-from nao_course.lessons.experiments.resampling import as_table, optimism, rank_correlation, shares_won
+from nao_course.lessons.experiments.resampling import (
+    as_table,
+    called_different,
+    optimism,
+    placebo,
+    rank_correlation,
+    shares_won,
+)
 from tests.lessons.experiments.own import table
 
 
@@ -17,6 +24,14 @@ def test_the_papers_table_has_27_rows_with_its_best_in_the_middle():
 def test_a_setting_that_is_far_better_wins_every_draw_and_shares_add_up():
     shares = shares_won(table())
     assert shares[SETTINGS[0]] == 1.0 and sum(shares.values()) == pytest.approx(1.0)
+
+
+def test_settings_that_are_all_equal_are_often_called_different_from_the_best():
+    costs = np.array(list(table().values()))
+    assert called_different(costs, np.random.default_rng(0)) == 26  # the first is far better
+    rng = np.random.default_rng(1)
+    found = placebo({key: rng.normal(2, 1, 30) for key in SETTINGS}, runs=20)
+    assert found.shape == (20,) and 3 < found.mean() < 20
 
 
 def test_the_best_of_noise_promises_more_than_it_keeps_and_a_real_best_does_not():

@@ -18,6 +18,7 @@ from nao_course.lessons.pose_graphs import (
     draw_step,
     draw_uncertainty,
     drift_that_climbs,
+    drifting_loop,
     half_of_them,
 )
 from nao_course.lessons.pose_graphs.guesses import HEADINGS, POSITIONS
@@ -46,6 +47,13 @@ def test_a_step_predicts_too_low_a_chi2_and_climbs_from_63_degrees_on():
         and "at 0.35 of it" in said
     )
     assert drift_that_climbs(SOLVE) == pytest.approx(63.2, abs=0.1)
+
+    def ratio(drift):
+        world = drifting_loop(np.radians(drift), 20)  # of 80 poses
+        chi2 = SOLVE(world.graph, world.odometry, 1)[1]
+        return chi2[1] / chi2[0]
+
+    assert ratio(58) < 1 < ratio(59.5)
 
 
 def test_the_data_say_in_which_frame_the_information_is():

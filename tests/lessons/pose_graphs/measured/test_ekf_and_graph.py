@@ -62,6 +62,19 @@ def test_the_graph_of_a_drive_fits_its_truth_as_well_as_its_noise_says(smoother:
     assert found / numbers == pytest.approx(1.0, abs=0.05)
 
 
+def test_a_long_drive_is_not_in_a_wrong_minimum_when_its_covariance_is_too_small(
+    ekf: Filter, smoother: Smoother
+) -> None:
+    drive = hall_drive(7, 800, HARD)
+    mapped = run_smoother(drive, smoother, run_filter(drive, ekf))
+    truth = np.concatenate([drive.poses.ravel(), drive.landmarks.ravel()])
+    states, _ = smoother.gauss_newton(drive_graph(drive), truth, 15)
+    assert states[: 3 * len(drive.steps)] == pytest.approx(mapped.poses.ravel(), abs=1e-3)
+    assert scores(drive, mapped)["nees"] > 10
+    off = wrap_angle(mapped.poses[-1, 2] - drive.poses[-1, 2])
+    assert np.degrees(abs(off)) > 15
+
+
 def test_landmarks_are_numbered_as_they_are_seen_first() -> None:
     drive = hall_drive(2, 60, HARD)
     numbers = np.concatenate([step.numbers for step in drive.steps])
