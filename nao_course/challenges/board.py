@@ -196,7 +196,8 @@ def _beside(challenge: Challenge, row: Row) -> list[str]:
 def _neighbours(run: Run) -> str:
     """Return the recorded rows next to a score, compared by the digits that are shown.
 
-    Two scores may differ by chance, so each row also contains in how many cases the better entry is better.
+    Two scores may differ by chance, so each row also contains in how many cases the better entry is better. If it is
+    better in no more than half of them, the sentence says so.
     """
     challenge, score = run.challenge, run.score
     shown = {row.name: round(row.score, challenge.digits) for row in challenge.rows}
@@ -223,7 +224,8 @@ def _better_in(run: Run, row: Row, sign: int) -> str:
         return ""
     pairs = [pair[::sign] for pair in zip(mine, row.cases, strict=True)]
     count = sum(run.challenge.beats(one, other) for one, other in pairs)
-    return f", better in {count} of {len(mine)} {run.challenge.case}s"
+    said = f"better in {count} of {len(mine)} {run.challenge.case}s"
+    return f", {said}" if 2 * count > len(mine) else f", but {said}: this difference may be chance"
 
 
 def _head(challenge: Challenge) -> tuple[str, str, str]:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from nao_course.challenges import Board
 from nao_course.challenges.best import SUFFIX
+from nao_course.challenges.board import _better_in
 from nao_course.plotting import Drawing
 from tests.challenges.example import CHALLENGE, COST, double
 
@@ -63,6 +64,16 @@ def test_a_score_that_is_shown_as_another_is_level_with_it(tmp_path):
         'It is above "nothing" (0.00), better in 3 of 3 scenes; it is level with "the reference" (0.75).'
         in repr(report)
     )
+
+
+def test_a_score_that_is_better_in_half_of_the_cases_may_be_chance(tmp_path):
+    """A trial's entry of 3.05 m was called above one of 3.07 m, "better in 10 of 20 drives"."""
+    report = Board(CHALLENGE, tmp_path).enter(lambda numbers: numbers)
+    run, row = report.run, CHALLENGE.rows[0]
+    cases = [each.score for each in run.results]
+    tied = replace(row, cases=(cases[0] - 1.0, *(each + 1.0 for each in cases[1:])))
+    assert _better_in(run, tied, 1) == ", but better in 1 of 3 scenes: this difference may be chance"
+    assert _better_in(run, tied, -1) == ", better in 2 of 3 scenes"
 
 
 def test_a_cost_is_better_the_smaller_it_is_and_has_a_unit(tmp_path):
