@@ -372,6 +372,12 @@ MOTION = Exercise(
             Your G contains the factor d. In equation 5.5 e_x is added to d, so its factors are cos(theta) and sin(theta) alone. The factors of e_y are -sin(theta) and cos(theta).
         F and G swapped: return F, G => return G, F
             F and G are swapped. F, the Jacobian with respect to the pose, comes first. (The paper calls our F its G.)
+        whole numbers in F: return F, G => return F.astype(int), G
+            The decimals of your F are cut off. np.array([[1, 0, 0], ...]) makes an array of whole numbers, and what you assign to its entries later is cut off to whole numbers, too. Begin with np.eye(3), or write all entries in np.array at once.
+        whole numbers in F and G: return F, G => return F.astype(int), G.astype(int)
+            The decimals of F and G are cut off. np.array([[1, 0, 0], ...]) makes an array of whole numbers, and what you assign to its entries later is cut off to whole numbers, too. Begin with np.eye(3), or write all entries in np.array at once.
+        whole numbers in G: return F, G => return F, G.astype(int)
+            The decimals of your G are cut off. np.array([[1, 0, 0], ...]) makes an array of whole numbers, and what you assign to its entries later is cut off to whole numbers, too. Begin with np.eye(3), or write all entries in np.array at once.
         not differentiated: -distance * np.sin(theta)], [0, 1, distance * np.cos => distance * np.cos(theta)], [0, 1, distance * np.sin
             F's theta column contains d cos(theta) and d sin(theta) themselves. Differentiate them.
         distance forgotten: control[0] => 1
@@ -572,6 +578,10 @@ LANDMARK = Exercise(
             by_measurement is transposed. Its rows are l_x and l_y.
         both transposed: return by_pose, by_measurement => return by_pose.T, by_measurement.T
             Both matrices are transposed. Rows are l_x and l_y, columns are the variables with respect to which you differentiate.
+        whole numbers in by_pose: return by_pose, by_measurement => return by_pose.astype(int), by_measurement
+            The decimals of by_pose are cut off. np.array([[1, 0, 0], [0, 1, 0]]) makes an array of whole numbers, and what you assign to its entries later is cut off, too. Begin with np.eye(2, 3), or write all entries in np.array at once.
+        whole numbers in both: return by_pose, by_measurement => return by_pose.astype(int), by_measurement.astype(int)
+            The decimals of both matrices are cut off. np.array([[1, 0, 0], [0, 1, 0]]) makes an array of whole numbers, and what you assign to its entries later is cut off, too. Begin with np.zeros or np.eye, or write all entries in np.array at once.
         side by side: return by_pose, by_measurement => return np.hstack([by_pose, by_measurement])
             You return one matrix (2, 5). Return two matrices: return by_pose, by_measurement.
         minus forgotten once: 0, across[0] => 0, -across[0]
@@ -740,6 +750,9 @@ _SLIPS = catalogue("""
     degrees: return => H =
         + return H * [[180 / np.pi], [1]]
         The bearing's row is in degrees. Angles are in radians here.
+    whole numbers: return => H =
+        + return H.astype(int)
+        The decimals of your matrix are cut off. An np.array of whole numbers such as 0 and -1 stays one of whole numbers, and what you assign to its entries later is cut off, too. Begin with np.zeros, or write all entries in np.array at once.
     r for r^2: return => H =
         + H[0, :2] *= np.hypot(*(landmark - pose[:2]))
         + return H

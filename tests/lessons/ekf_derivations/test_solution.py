@@ -133,7 +133,7 @@ def test_a_covariance_is_carried_as_many_samples_are_where_the_motion_is_nearly_
     assert np.allclose(predicted, predicted.T) and (np.linalg.eigvalsh(predicted) >= 0).all()
 
 
-@pytest.mark.asserts("eq-5-7")
+@pytest.mark.asserts("eq-5-10")
 def test_the_mean_of_a_drive_with_an_uncertain_heading_falls_short_by_the_formula(rng):
     for sigma in SIGMAS[::3]:
         mean = np.cos(rng.normal(0, sigma, 400_000)).mean()
@@ -141,6 +141,41 @@ def test_the_mean_of_a_drive_with_an_uncertain_heading_falls_short_by_the_formul
 
 
 # --- the Jacobians ---
+
+
+def matrices(*rows):
+    """Matrices (N, R, C) from rows of entries; each entry is a number or an array (N,)."""
+    return np.array([[np.broadcast_to(entry, NUMBER) for entry in row] for row in rows]).transpose(2, 0, 1)
+
+
+@pytest.mark.asserts("eq-5-7")
+def test_the_motions_jacobians_are_the_matrices_that_the_lesson_displays(solution, places):
+    poses, controls, _ = places
+    c, s, d = np.cos(poses[2]), np.sin(poses[2]), controls[0]
+    by_pose, by_noise = each(solution["motion_jacobians"], poses, controls)
+    assert np.allclose(by_pose, matrices((1, 0, -d * s), (0, 1, d * c), (0, 0, 1)))
+    assert np.allclose(by_noise, matrices((c, -s, 0), (s, c, 0), (0, 0, 1)))
+
+
+@pytest.mark.asserts("eq-5-8")
+def test_a_landmarks_jacobians_are_the_matrices_that_the_lesson_displays(solution, places):
+    poses, _, (beta, r) = places
+    c, s = np.cos(poses[2] + beta), np.sin(poses[2] + beta)
+    by_pose, by_measurement = each(solution["landmark_jacobians"], poses, np.array([beta, r]))
+    assert np.allclose(by_pose, matrices((1, 0, -r * s), (0, 1, r * c)))
+    assert np.allclose(by_measurement, matrices((-r * s, c), (r * c, s)))
+
+
+@pytest.mark.asserts("eq-5-9")
+def test_a_measurements_jacobians_are_the_matrices_that_the_lesson_displays(solution, places):
+    poses, _, measurements = places
+    landmarks = landmarks_of(solution, poses, measurements)
+    dx, dy = landmarks - poses[:2]
+    q, r = dx**2 + dy**2, np.hypot(dx, dy)
+    by_pose = each(solution["measurement_jacobian_pose"], poses, landmarks)
+    by_landmark = each(solution["measurement_jacobian_landmark"], poses, landmarks)
+    assert np.allclose(by_pose, matrices((dy / q, -dx / q, -1), (-dx / r, -dy / r, 0)))
+    assert np.allclose(by_landmark, matrices((-dy / q, dx / q), (dx / r, dy / r)))
 
 
 def test_a_landmarks_jacobians_are_its_slopes(solution, places):
