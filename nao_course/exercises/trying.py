@@ -94,6 +94,10 @@ _IN_A_LIST = (
     "remove, index and in compare an array with each element of the list, and an array has no single True or False. "
     "Build a new list with the elements that stay, or compare positions in the list."
 )
+_SIDE_BY_SIDE = (
+    "Columns that stand side by side need the same length: print each .shape. Is one of them a single number? "
+    "np.full(n, 1.0) makes a column of n ones."
+)
 _ADVICE = {  # NumPy's own messages about the most common errors are correct, but do not help a beginner
     "The truth value of an array": "An array has no single True or False. Instead of and, or, a < b < c and if, "
     "write & and | between comparisons in brackets, or use np.where.",
@@ -112,17 +116,19 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "NumPy boolean array indexing assignment": "The left side has only the mask's pixels, but the right "
     "side has all pixels: write values[mask] there, too, or np.where(mask, values, others).",
     "with size 0": "That array is empty: check its length before you use an element of it.",
-    "is out of bounds for axis": "Indices count from 0, so the last of n is n - 1. In a picture, the row comes first.",
+    "is out of bounds for axis": "Indices count from 0, so the last of n is n - 1.",
     "arrays used as indices must be of integer": "Indices must be whole numbers: apply round(...) or int(...) to them.",
     "slice indices must be integers": "The limits of a slice must be whole numbers: round(...) turns a float into one.",
     "mismatch in its core dimension": "Two shapes do not fit: the left side of @ needs as many columns as "
     "the right side has rows. Print each .shape: is a .T missing, or is one too many?",
+    "1-dimensional array given": "That needs a matrix. Two lists as indices select single entries; a block is "
+    "matrix[np.ix_(rows, columns)].",
     "maximum recursion depth": "Your function calls itself too often. Use a loop instead.",
     "Singular matrix": "That matrix has no inverse. Print it: is a row 0, or a multiple of another row?",
     "could not be broadcast together": "Two arrays need the same shape for +, - and *. Print each .shape, and check "
     "that the arguments are in the order of the function's first line.",
-    "array dimensions except for the concatenation axis": "Columns that stand side by side need the same length: print "
-    "each .shape. Is one of them a single number? np.full(n, 1.0) makes a column of n ones.",
+    "array dimensions except for the concatenation axis": "Arrays that are joined need the same length along the "
+    "other axis: print each .shape.",
     "FrozenInstanceError": "That object cannot be changed. replace(view, pitch=...) returns a copy with another pitch.",
     "'function' object has no attribute": (
         "That is a function, not an array. Did you mean another name, or forget to call it?"
@@ -187,6 +193,8 @@ def advice_on(complaint: str, line: str = "") -> list[str]:
         r"\.(?:remove|index)\(| not in |\bif \w+ in ", line
     ):
         return [_IN_A_LIST]
+    if "except for the concatenation axis" in complaint and re.search(r"has size 1\b", complaint):
+        return [_SIDE_BY_SIDE]
     return [advice for start, advice in _ADVICE.items() if start in complaint][:1]
 
 

@@ -404,6 +404,19 @@ def test_of_an_answer_of_several_parts_no_input_is_shown_where_one_is_about_all(
     both = replace(public, cases=[Case((points,), expected=(points + 1, points * 2))])
     report = grade_public(both, lambda given: (given + 1, given * 2 + (given == 3)))
     assert report.lines[-1] == "The same row of the first argument is [2, 3]."
+    ellipse = replace(public, cases=[Case((np.eye(2),), expected=(np.array([2.0, 1.0]), 0.5))])
+    assert len(grade_public(ellipse, lambda given: (np.array([1.0, 1.0]), 0.5)).lines) == 1
+
+
+def test_only_of_a_picture_the_advice_on_an_index_says_that_the_row_comes_first():
+    said = {}
+    for name, given in (("picture", np.zeros((2, 3), np.uint8)), ("state", np.zeros((2, 3)))):
+        public = PublicExercise(
+            "f", "7.4", 1.0, 1, Close(), [Case((given,), expected=0.0)], [], [], "", False
+        )
+        said[name] = " ".join(grade_public(public, lambda values: float(values[2, 0])).lines)
+    assert "the last of n is n - 1" in said["state"] and "In a picture" not in said["state"]
+    assert "In a picture, the row comes first." in said["picture"]
 
 
 def test_what_a_law_says_gets_one_full_stop():

@@ -155,6 +155,11 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_and_no_long_traceback(ca
         (lambda: np.linalg.solve(np.eye(2), np.ones(3)), "Print each .shape"),
         (lambda: np.ones(4) - np.ones(2), "need the same shape"),
         (lambda: np.column_stack([np.ones(3), 1.0]), "Is one of them a single number"),
+        (
+            lambda: np.block([[np.eye(3), np.ones((2, 3))], [np.ones((3, 2)), np.eye(2)]]),
+            "along the other axis",
+        ),
+        (lambda: np.linalg.inv(np.eye(3)[[0, 1], [0, 1]]), "matrix[np.ix_(rows, columns)]"),
         (lambda: np.zeros(0)[0], "That array is empty"),
         (lambda: np.zeros(3)[3], "the last of n is n - 1"),
         (lambda: np.zeros(3)[0:1.6], "The limits of a slice must be whole numbers"),

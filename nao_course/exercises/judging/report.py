@@ -203,6 +203,10 @@ def _explain(
             )
         else:
             lines += advice_on(outcome.text, outcome.line)
+            if "is out of bounds for axis" in outcome.text and any(
+                map(_is_picture, exercise.cases[first].args)
+            ):
+                lines.append("In a picture, the row comes first.")
     parts = _right_parts(exercise, wrong)
     return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong), *parts))
 
@@ -230,13 +234,18 @@ def _raises(text: str) -> str:
     return known[1] or known[2] if known else f"your function raises {text}"
 
 
+def _is_picture(argument: object) -> bool:
+    """Return whether an argument of a case is a picture: rows and columns of bytes, or a mask."""
+    return isinstance(argument, np.ndarray) and argument.ndim >= 2 and argument.dtype in (np.uint8, bool)
+
+
 def _input_at(case: Case, verdict: Verdict) -> list[str]:
     """Show the element of the first argument that the first wrong element of the answer was computed from.
 
     It is the element at the same index, or the row at the same index if both are rows of a few numbers, such as points.
     Nothing is shown if the answer has another shape, such as a matrix that depends on all rows, or if the argument is
-    a pose beside another array. If the answer has several parts, all of them need the argument's shape, because the
-    index does not say which part it belongs to.
+    a pose beside another array. If the answer has several parts, all of them must be arrays of the argument's shape,
+    because the index does not say which part it belongs to.
     """
     given, wanted = (case.args[0] if case.args else None), case.expected
     place = len(verdict.at)
@@ -245,6 +254,8 @@ def _input_at(case: Case, verdict: Verdict) -> list[str]:
     if given.size <= SMALL and any(isinstance(each, np.ndarray) for each in case.args[1:]):
         return []
     parts = list(wanted) if isinstance(wanted, tuple | list) else [wanted]
+    if len({isinstance(part, np.ndarray) for part in parts}) > 1:
+        return []
     if len({np.ndim(part) for part in parts if isinstance(part, np.ndarray)}) > 1:
         return []
     if any(isinstance(part, np.ndarray) and part.shape[:1] != given.shape[:1] for part in parts):
