@@ -485,6 +485,15 @@ KALMAN_UPDATE = Exercise(
             Your S contains R @ R. R already is a covariance, with squared units, so add it as it is.
         innovation subtracted again: K @ innovation => K @ (innovation - H @ mean)
             You subtract H @ mean from the innovation. The innovation already is measured minus expected, so use K @ innovation.
+        one by one with the old innovation: + for h, difference, variance in zip(H, innovation, np.diag(R), strict=True):
+            +     gain = covariance @ h / (h @ covariance @ h + variance)
+            +     mean = mean + gain * difference
+            +     covariance = covariance - np.outer(gain, h @ covariance)
+            + return mean, covariance
+            You update with one measured value after the other, but all innovations belong to the old mean. After the first value the mean has moved, so the others are wrong. R may also have entries off its diagonal. Update with all values at once: S, K and one product K @ innovation.
+        variances only, of R: H.T + R => H.T + np.diag(np.diag(R))
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            You use only the diagonal of R. The noise of two measured values may be correlated, so use the whole matrix, and update with all values at once.
         gain over R: np.linalg.solve(S, H @ covariance).T => covariance @ H.T @ np.linalg.inv(R)
             left @ covariance @ left.T + K @ R @ K.T => left @ covariance
             Your gain uses the inverse of R alone. The innovation has both sources of uncertainty: use the inverse of S = H P Hᵀ + R.
@@ -670,7 +679,7 @@ LOCALIZE = Exercise(
     comparison=Close(atol=1e-7, names=("your pose", "your covariance")),
     hints=(
         "Which measurement do you expect at the estimated pose, and how does it change with the pose? Lesson 05 has a function for each; innovation and kalman_update do the rest.",
-        "Four lines: innovation(expected_measurement(pose, landmark), measurement); H = measurement_jacobian_pose(pose, landmark); kalman_update with both; wrap the heading of the result.",
+        "The difference needs your innovation, with the expected measurement first. H is the Jacobian with respect to the pose, at the estimated pose. After the update, wrap only the heading.",
     ),
     mistakes=catalogue("""
         innovation unwrapped: innovation(expected_measurement(pose, landmark), measurement) => measurement - expected_measurement(pose, landmark)

@@ -7,7 +7,8 @@ __all__, __getattr__, __dir__ = import_when_asked(
     {
         "consistency": ("draw_bands",),
         "drives": ("follow_many",),
-        "figures": ("cloud", "draw_cloud", "draw_wrong_start", "inside"),
+        "figures": ("cloud", "draw_cloud", "draw_wrong_start", "draw_wrong_starts", "inside"),
+        "forms": ("eigenvalue_table",),
         "first_drive": ("draw_bearings", "draw_first_drive"),
         "next_landmark": ("draw_remaining_uncertainty",),
         "panels": ("FusePanel", "LabPanel"),

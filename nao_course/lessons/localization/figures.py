@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
+from scipy.stats import chi2
 
 from nao_course.geometry import FloatArray, Pose, pose_errors
 from nao_course.lessons.localization.drives import (
@@ -23,6 +24,7 @@ from nao_course.lessons.localization.drives import (
     measure_landmark,
     updated,
 )
+from nao_course.metrics import squared_distances
 from nao_course.plotting import STYLES, Drawing, course_style, plot_field, plot_landmarks, plot_pose
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.style import GREY, HALO
@@ -32,6 +34,7 @@ TRUE, START = Pose(1.7, 0.5, 0.25), Pose(1.15, 0.1, 0.5)  # true pose, and the w
 START_COVARIANCE = np.diag([0.4**2, 0.4**2, np.radians(15) ** 2])  # m^2, rad^2
 IN_PICTURE = (9, 7, 6)  # rows of LANDMARKS in one picture: a post and two corners of the goal area
 SEED = 12
+PICTURES = 60  # repetitions with other noise
 LINE = 0.4  # m, length of the line in a pose's heading
 SMALL = 5.0  # points, width of a marker that does not cover a small ellipse
 ONE_SIGMA = 1 - np.exp(-0.5)  # fraction of a plane Gaussian inside its one-sigma ellipse
@@ -50,9 +53,11 @@ class PoseEstimate:
         return float(np.hypot(*off[:2])), float(np.degrees(np.abs(off[2])))
 
 
-def measure_one_picture(localize: Callable[..., Any]) -> tuple[list[LandmarkMeasurement], list[PoseEstimate]]:
+def measure_one_picture(
+    localize: Callable[..., Any], seed: int = SEED
+) -> tuple[list[LandmarkMeasurement], list[PoseEstimate]]:
     """Update the wrong estimate with K landmarks of one picture; return them and the K + 1 estimates around them."""
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(seed)
     measured = [measure_landmark(TRUE, number, SensorNoise(), rng) for number in IN_PICTURE]
     estimates = [PoseEstimate(START.as_array(), START_COVARIANCE)]
     for each in measured:
@@ -114,6 +119,44 @@ def draw_wrong_start(localize: Callable[..., Any], covariance_ellipse: Callable[
         "Half a field from above, four times, with the true pose of a robot, its estimate and the "
         "estimate's 95 % ellipse. Each landmark makes the ellipse smaller. "
         f"Errors: {'; '.join(words)}.",
+    )
+
+
+def nees_of_pictures(localize: Callable[..., Any]) -> FloatArray:
+    """Return the NEES of the last estimate for each of `PICTURES` repetitions of the picture, smallest first."""
+    last = [measure_one_picture(localize, seed)[1][-1] for seed in range(PICTURES)]
+    errors = pose_errors(np.array([each.pose for each in last]), TRUE.as_array())
+    return np.sort(squared_distances(errors, np.array([each.covariance for each in last])))
+
+
+@course_style()
+def draw_wrong_starts(localize: Callable[..., Any]) -> Drawing:
+    """Draw the NEES of the estimate after the picture, for many repetitions with other noise of the measurements.
+
+    Parameters
+    ----------
+    localize : callable
+        The student's function.
+
+    Returns
+    -------
+    Drawing
+        The NEES in ascending order, beside the values that a consistent filter would have.
+    """
+    nees = nees_of_pictures(localize)
+    shares = (np.arange(len(nees)) + 0.5) / len(nees)
+    median = float(np.median(nees))
+    figure = Figure(figsize=(7.0, 3.8))
+    ax = figure.subplots()
+    ax.plot(100 * shares, nees, "o", color=STYLES["ekf"].colour, ms=5, mec="white", label="your filter")
+    ax.plot(100 * shares, chi2.ppf(shares, 3), color=GREY, lw=2, label="a consistent filter (chi-square, 3)")
+    ax.set(xlabel=f"share of the {len(nees)} pictures (%)", ylabel="NEES or less", yscale="log")
+    ax.set_title(f"median NEES {median:.1f}, a consistent filter: {chi2.median(3):.1f}", fontsize=11)
+    legend_below(figure, ax.get_legend_handles_labels()[0])
+    return Drawing(
+        figure,
+        f"NEES of the estimate after three landmarks, for {len(nees)} pictures with other noise, in ascending order. "
+        f"Their median is {median:.1f}; a consistent filter has {chi2.median(3):.1f}.",
     )
 
 

@@ -73,7 +73,7 @@ def draw_remaining_uncertainty(localize: Callable[..., Any]) -> Drawing:
     both = _over_grid(localize, xs, ys, True)
     alone = _over_grid(localize, xs, ys, False)
     panels = (
-        ("Position, bearing and range", both[0], "cm", 100.0, (15, 20, 25, 30, 35)),
+        ("Position, bearing and range", both[0], "cm", 100.0, (5, 10, 15, 20, 25, 30, 35)),
         ("Position, bearing only", alone[0], "cm", 100.0, (25, 30, 35, 40, 45)),
         ("Heading, bearing and range", np.degrees(both[1]), "°", 1.0, (4, 5, 6, 7, 8)),
     )
@@ -141,7 +141,8 @@ def _plot_remaining(
     mesh = ax.pcolormesh(
         xs, ys, values, cmap="cividis_r", zorder=0.15, shading="nearest", vmin=levels[0], vmax=levels[-1]
     )
-    ax.contour(xs, ys, values, levels=levels, colors="black", linewidths=0.9, zorder=2)
+    contours = ax.contour(xs, ys, values, levels=levels, colors="black", linewidths=0.9, zorder=2)
+    ax.clabel(contours, fontsize=8, inline_spacing=2)
     plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=7)
     (outline,) = ellipse_outlines((ROBOT.x, ROBOT.y), COVARIANCE[None, :2, :2])
     ax.plot(

@@ -15,6 +15,7 @@ from nao_course.lessons.localization.drives import (
     lap,
     make_drive,
 )
+from nao_course.lessons.localization.forms import SIGMAS, as_written, eigenvalue_table, smallest_eigenvalue
 from nao_course.metrics import band
 from nao_course.sim import Field, OdometryNoise, SensorNoise
 from nao_course.slam import range_and_bearing
@@ -85,27 +86,14 @@ def test_over_a_hundred_drives_nees_and_nis_are_in_their_bands_as_the_lesson_say
     assert round(100 * inside_naive_band(traces)) == 78
 
 
-def smallest_eigenvalue(kalman_update, sigma):
-    """Return the smallest eigenvalue that a pose's covariance has during many updates of this precision."""
-    rng = np.random.default_rng(6)
-    covariance, least = np.diag([0.4**2, 0.4**2, np.radians(15) ** 2]), np.inf
-    noise = np.eye(2) * sigma**2
-    for bearing, distance in zip(rng.uniform(-np.pi, np.pi, 300), rng.uniform(0.5, 3.0, 300), strict=True):
-        c, s = np.cos(bearing), np.sin(bearing)
-        jacobian = np.array([[s / distance, -c / distance, -1.0], [-c, -s, 0.0]])
-        answer = kalman_update(np.zeros(3), covariance.copy(), np.zeros(2), jacobian, noise.copy())
-        covariance = np.asarray(answer[1], dtype=float)
-        least = min(least, float(np.linalg.eigvalsh((covariance + covariance.T) / 2)[0]))
-    return least
-
-
 def test_the_short_form_breaks_where_the_lesson_says_and_josephs_does_not(own):
     text = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
-    for sigma in (0.1, 0.0001, 0.00001, 0.00000001):
+    for sigma in SIGMAS:
         cells = [smallest_eigenvalue(each, sigma) for each in (short_form, own["kalman_update"])]
-        said = [f"{value:.0e}" if value > 0 else "negative" for value in cells]
+        said = list(map(as_written, cells))
         assert f"| {sigma:.8f} | ".replace("0000000 |", " |").split(" |")[0].rstrip("0") in text
         assert f"| {said[0]} | {said[1]} |" in text
+    assert eigenvalue_table(own["kalman_update"]).rows[-1] == ("1e-08", said[1])
 
 
 def test_in_single_precision_the_short_form_breaks_at_a_millimetre_and_josephs_does_not(own):
