@@ -615,6 +615,7 @@ def textbook(
     noise_of: Callable[[Array, int], Array] = joint_noise,
     gain: Callable[[Array, Array, Array], Array] = lambda P, H, S: P @ H.T @ np.linalg.inv(S),
     corrected: slice = slice(None),
+    in_place: bool = False,
     reduced: Callable[[Array, Array, Array], Array] = lambda P, K, H: P - K @ H @ P,
 ) -> Callable[..., Any]:
     """Return the textbook's update with a symmetric covariance and with one slip.
@@ -634,8 +635,13 @@ def textbook(
             nu[rows] = z[2 * number : 2 * number + 2] - expected(state[:3], landmark)
         nu[wrapped] = wrap_angle(nu[wrapped])
         K = gain(P, H, H @ P @ H.T + noise_of(R, m))
-        new, P = state.copy(), reduced(P, K, H)
-        new[corrected] += (K @ nu)[corrected]
+        new, P, shift = state.copy(), reduced(P, K, H), K @ nu
+        if in_place:
+            new += shift
+        elif corrected == slice(None):
+            new = state + shift
+        else:
+            new[corrected] += shift[corrected]
         new[2] = wrap_angle(new[2])
         return new, (P + P.T) / 2
 
@@ -721,6 +727,11 @@ TEXTBOOK_SLIPS = [
         "np.kron repeats a single (2, 2) matrix, so your function fails for the other two forms of R. joint_noise(measurement_covariance, len(indices)) returns the full matrix for each of the three forms.",
     ),
     Mistake(
+        "one R repeated, added in place",
+        textbook(noise_of=lambda R, m: np.kron(np.eye(m), R), in_place=True),
+        "np.kron repeats a single (2, 2) matrix. R has two other forms, for which your shapes do not fit: joint_noise(measurement_covariance, len(indices)) returns the full matrix for each.",
+    ),
+    Mistake(
         "only the pose corrected",
         textbook(corrected=slice(0, 3)),
         "You correct only the pose. K @ innovation has a value for each number of the state, so add it to the landmarks, too.",
@@ -754,7 +765,7 @@ UPDATE_LANDMARKS = Exercise(
     comparison=All((Property(stays_symmetric), Each((Close(atol=1e-7), Close(atol=1e-8)), names=STATE))),
     driver="nao_course.lessons.ekf_slam.filters.repeated_updates:repeated_updates",
     hints=(
-        "First fill the innovation and H, two rows for each measured landmark: j is the number of the measurement and i = indices[j] the number of its landmark. Then wrap the bearings, compute S, and apply the gain that you derived.",
+        "First fill the innovation and H, two rows for each measured landmark: j is the number of the measurement and i = indices[j] the number of its landmark. Then wrap the bearings, compute S, and apply the gain of equation 7.5.",
         "Rows 2 j and 2 j + 1 of H: columns 0 to 2 are measurement_jacobian_pose, columns 3 + 2 i and 4 + 2 i are measurement_jacobian_landmark. Wrap innovation[::2] with warp2pi. S = H P Hᵀ + joint_noise(measurement_covariance, len(indices)).",
     ),
     mistakes=[
@@ -1050,6 +1061,10 @@ EVALUATE_LANDMARKS = Exercise(
             You sum over the landmarks and return a value for x and one for y. Each landmark needs one distance, so sum along axis 1.
         one distance for the map: np.hypot(errors[:, 0], errors[:, 1]) => np.linalg.norm(errors)
             Your Euclidean distance is one number for the whole map. Each landmark needs its own: np.linalg.norm(errors, axis=1).
+        one number for the map in both: np.hypot(errors[:, 0], errors[:, 1]), np.sqrt(squares) => np.linalg.norm(errors), np.sqrt(sum(squares))
+            Both of your distances are one number for the whole map. Each landmark needs its own two: loop over the landmarks, or use np.linalg.norm(errors, axis=1) for the first.
+        one norm repeated: np.hypot(errors[:, 0], errors[:, 1]) => np.full(len(errors), np.linalg.norm(errors))
+            Your Euclidean distance is the same for all landmarks, because np.linalg.norm(errors) takes all entries of the matrix together. Use errors[i], or axis=1.
         swapped: np.hypot(errors[:, 0], errors[:, 1]), np.sqrt(squares) => np.sqrt(squares), np.hypot(errors[:, 0], errors[:, 1])
             You return the two results in the wrong order. The Euclidean distances come first.
     """),
@@ -1142,7 +1157,7 @@ ADD_LANDMARK = Exercise(
             + cross = 0 * cross
             You give the landmark a large variance. Its covariance follows from the pose and the measurement: propagate both errors into x and y of the landmark.
         J_p and J_z exchanged: by_pose, by_measurement = landmark_jacobians => by_measurement, by_pose = landmark_jacobians
-            landmark_jacobians returns J_p (2, 3) first and J_z (2, 2) second. Check that you unpack them in this order, and print the shapes.
+            Two shapes do not fit. Either a block is on the wrong side: in np.block([[P, A], [B, C]]) the block A has n rows and two columns, P[:, :3] J_pᵀ, and B = A.T has two rows, J_p P[:3]. Or you exchanged J_p (2, 3), which landmark_jacobians returns first, and J_z (2, 2).
         not at the end: np.append(state, position) => np.concatenate([state[:3], position, state[3:]])
             You insert the landmark behind the pose. Append it at the end of the state.
         covariance kept: np.block([[covariance, cross], [cross.T, own]]) => covariance

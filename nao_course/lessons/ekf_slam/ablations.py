@@ -119,7 +119,7 @@ def ablation_table(ablations: Sequence[Ablation]) -> Table:
                 f"{100 * each.updated_position:.3g}",
                 f"{np.degrees(each.heading):.2g}",
                 f"{100 * each.landmark:.3g}",
-                f"{each.nis:.0f}",
+                f"{each.nis:.1f}",
             )
             for each in ablations
         ],

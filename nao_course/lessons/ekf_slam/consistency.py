@@ -122,12 +122,12 @@ def with_first_estimates(functions: Functions) -> Functions:
 
 
 VARIANTS: Mapping[str, Callable[[Functions], Functions]] = {
-    "unchanged": lambda functions: functions,
+    "your filter": lambda functions: functions,
     "first estimates": with_first_estimates,
     "no covariance between pose and map": without_pose_map,
 }
 COLOURS = {
-    "unchanged": STYLES["ekf"].colour,
+    "your filter": STYLES["ekf"].colour,
     "first estimates": "#2e8540",
     "no covariance between pose and map": "#c84b00",
 }

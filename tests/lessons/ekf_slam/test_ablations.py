@@ -6,6 +6,7 @@ import pytest
 from nao_course.datasets import read_homework_log
 from nao_course.lessons.ekf_slam.ablations import ablate, ablation_table, draw_ablations
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, own_log
+from nao_course.metrics import band
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +54,20 @@ def test_sigma_alpha_looks_harmless_only_while_each_turn_is_corrected_at_once(ab
 
     assert growth(ablations) < 1.05
     assert growth(ablate(own_log(), *functions, OWN_SIGMAS, every=5)) > 3
+
+
+def test_the_nis_shows_what_the_lesson_says(ablations):
+    nis = {each.title: round(each.nis, 1) for each in ablations}
+    assert (nis["σβ / 10"], nis["σr / 10"]) == pytest.approx((295, 390), abs=0.5)
+    assert [nis[name] for name in ("σβ × 10", "σr × 10", "σα / 10", "σx / 10", "σy / 10")] == [
+        *(6.0, 5.8, 20.5, 14.3, 13.8)
+    ]
+    assert [nis[name] for name in ("σx × 10", "σy × 10", "σα × 10")] == [11.0, 11.2, 11.3]
+    low, high = band(12, len(ablations[0].run.nis))
+    assert (round(low, 1), round(high, 1)) == (10.2, 14.0) and nis["σx / 10"] > high > nis["σy / 10"]
+    positions = {each.title: f"{100 * each.position:.1f}" for each in ablations}
+    assert (positions["unchanged"], positions["σα × 10"]) == ("5.4", "5.5")
+    assert f"{100 * ablations[0].updated_position:.1f}" == "4.1"
 
 
 def test_table_and_figure_say_the_same(ablations):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from nao_course.lessons.ekf_slam.bent_map import (
     draw_bearings,
@@ -56,7 +57,9 @@ def test_the_lessons_numbers_hold(own):
         np.linalg.inv(yours.landmark_covariances),
         yours.landmarks - yours.true_landmarks,
     )
-    assert inside.max() < 5.99
+    assert inside.max() < 5.99 and yours.landmarks.size == 20
+    assert yours.map_nees == pytest.approx(18.1, abs=0.05) and two.map_nees is None
+    assert chi2.ppf([0.025, 0.975], 20) == pytest.approx([9.6, 34.2], abs=0.05)
     steps, values = two.bearings.T
     assert len(values) == 208 and steps[np.abs(values) > np.radians(20)][0] == 8
     assert np.degrees(values[steps <= 8]).max() == pytest.approx(356, abs=0.5)

@@ -106,9 +106,9 @@ def test_without_pose_map_only_those_covariances_are_zero(functions):
 
 
 def test_the_figure_says_the_means_and_the_band(functions):
-    found = compare(*functions, runs=2, variants=("unchanged", "first estimates"), with_nis=True)
+    found = compare(*functions, runs=2, variants=("your filter", "first estimates"), with_nis=True)
     low, high = band(3, 2)
-    assert 0.5 < np.concatenate([trace.nis for trace in found["unchanged"]]).mean() < 1.5
+    assert 0.5 < np.concatenate([trace.nis for trace in found["your filter"]]).mean() < 1.5
     said = draw_consistency(found).alt
     assert all(f"{name} {mean_nees(traces):.2f}" in said for name, traces in found.items())
     assert f"between {low:.2f} and {high:.2f}" in said
@@ -118,8 +118,8 @@ def test_the_figure_says_the_means_and_the_band(functions):
 def test_over_a_hundred_drives_the_filter_is_consistent_on_the_nominal_field(functions):
     low, high = band(3, 100)
     assert (round(low, 2), round(high, 2)) == (2.54, 3.50)
-    found = compare(*functions, sigmas=NOMINAL_SIGMAS, variants=("unchanged", "first estimates"))
-    assert low < mean_nees(found["unchanged"]) < high
+    found = compare(*functions, sigmas=NOMINAL_SIGMAS, variants=("your filter", "first estimates"))
+    assert low < mean_nees(found["your filter"]) < high
     assert low < mean_nees(found["first estimates"]) < high
 
 
@@ -128,7 +128,7 @@ def test_over_a_hundred_noisy_drives_only_first_estimates_stay_in_the_band_and_n
     low, high = band(3, 100)
     found = compare(*functions, sigmas=NOISY, with_nis=True)
     nees = {name: mean_nees(traces) for name, traces in found.items()}
-    assert nees["unchanged"] > 2 * high
+    assert nees["your filter"] > 2 * high
     assert low < nees["first estimates"] < high
     assert nees["no covariance between pose and map"] > 20
     for traces in found.values():

@@ -131,6 +131,20 @@ def test_the_mahalanobis_distance_of_a_consistent_map_is_1_25_on_average_and_its
     assert (weighed**2).mean() == pytest.approx(2.0, rel=0.03)
 
 
+@pytest.mark.asserts("eq-7-9")
+def test_no_measurement_sees_a_rotation_of_everything_if_all_estimates_are_the_same(rng):
+    for _ in range(20):
+        state, _ = random_map(rng, 1)
+        x, y, _, l_x, l_y = state
+        rotation = np.array([-y, x, 1.0, -l_y, l_x])
+        H = jacobian_of(lambda values: look(values, [0]), state)
+        dx, dy = l_x - x, l_y - y
+        assert H @ rotation == pytest.approx([0, 0], abs=1e-7)
+        assert H[:, 3:] @ [-dy, dx] - [1, 0] == pytest.approx([0, 0], abs=1e-7)
+        moved = jacobian_of(lambda values: look(values, [0]), state + [0, 0, 0, 0.2, 0.1])
+        assert np.abs(moved @ rotation).max() > 0.01
+
+
 # --- add_landmark, whose equation the student finds ---
 
 

@@ -72,7 +72,8 @@ def _draw_maps(runs: dict[str, tuple[FilterRun, str]]) -> Drawing:
         figure.subplots(1, len(runs), squeeze=False)[0], runs.items(), strict=True
     ):
         _plot_map(ax, run, colour)
-        ax.set_title(f"{title}: {100 * run.map_error:.0f} cm off")
+        nees = "" if run.map_nees is None else f", NEES {run.map_nees:.1f} of {run.landmarks.size}"
+        ax.set_title(f"{title}: {100 * run.map_error:.0f} cm off{nees}")
     legend_below(figure, _map_keys([colour for _, colour in runs.values()]), columns=2)
     return Drawing(figure, " ".join(f"{title}. {_say_run(run)}" for title, (run, _) in runs.items()))
 
@@ -114,6 +115,7 @@ def _say_run(run: FilterRun) -> str:
         f"Two circles past {len(run.landmarks)} landmarks. At the end the landmarks are {100 * run.map_error:.0f} cm "
         f"off on average, the position {100 * np.hypot(*off[:2]):.0f} cm off and the heading "
         f"{abs(np.degrees(off[2])):.0f} degrees off."
+        + (f" The NEES of the map is {run.map_nees:.1f}." if run.map_nees is not None else "")
     )
 
 

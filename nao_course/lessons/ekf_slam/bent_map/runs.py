@@ -35,7 +35,8 @@ class FilterRun:
 
     `path` (M, 3) has the estimated poses, `nees` (M,) is negative where the covariance is not positive definite. At the
     end, the landmarks are estimated as (k, 2) in m with covariances (k, 2, 2) in m^2; the true ones are in the same
-    order. `bearings` (N, 2) has the step, and measured minus expected bearing (rad, not wrapped).
+    order. `bearings` (N, 2) has the step, and measured minus expected bearing (rad, not wrapped). `map_nees` is the
+    NEES of all landmarks with their joint covariance; it is not recorded for the given filter.
     """
 
     path: FloatArray
@@ -44,6 +45,7 @@ class FilterRun:
     landmark_covariances: FloatArray
     true_landmarks: FloatArray
     bearings: FloatArray
+    map_nees: float | None = None
 
     @property
     def map_error(self) -> float:
@@ -75,6 +77,8 @@ def run_filter(functions: Functions) -> FilterRun:
         nees.append(
             squared_distances(pose_errors(slam.state[:3], step.pose)[None], slam.covariance[None, :3, :3])[0]
         )
+    errors = slam.state[3:] - drive.landmarks[slam.known].ravel()
+    map_nees = squared_distances(errors[None], slam.covariance[None, 3:, 3:])[0]
     return FilterRun(
         np.array(path),
         np.array(nees),
@@ -82,6 +86,7 @@ def run_filter(functions: Functions) -> FilterRun:
         landmark_blocks(slam.covariance),
         drive.landmarks[slam.known],
         np.array(bearings),
+        float(map_nees),
     )
 
 
