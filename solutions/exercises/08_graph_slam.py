@@ -369,7 +369,7 @@ def unheld(omega: Any) -> list[int]:
     count, part = scipy.sparse.csgraph.connected_components(links, directed=False)
     weight = np.bincount(part, np.asarray(links.sum(axis=1)).ravel(), count)
     diagonal = np.bincount(part, links.diagonal(), count)
-    return [int(each) for each in np.flatnonzero((weight <= 1e-9 * diagonal)[part])]
+    return [int(each) for each in np.flatnonzero((weight <= 1e-13 * diagonal)[part])]
 
 
 def _refuse(numbers: Iterable[int]) -> None:
@@ -384,14 +384,14 @@ def _solve_parts(omega: Array, xi: Array) -> Any:
 
 def _solve_svd(omega: Array, xi: Array) -> Any:
     u, s, vt = np.linalg.svd(omega)
-    free = vt[s <= 1e-10 * s.max(initial=0.0)]
+    free = vt[s <= 1e-12 * s.max(initial=0.0)]
     _refuse(np.flatnonzero(np.linalg.norm(free, axis=0) > 1e-5))
     return (vt.T @ ((u.T @ xi) / s)).tolist()
 
 
 def _solve_walking(omega: Array, xi: Array) -> Any:
     """Solve by a walk from the variables with a start to all that are connected to them."""
-    reached = np.abs(omega.sum(axis=1)) > 1e-9 * np.abs(omega).max()
+    reached = np.abs(omega.sum(axis=1)) > 1e-11 * np.abs(omega).max()
     for _ in range(len(xi)):
         reached = reached | (omega[:, reached] != 0).any(axis=1)
     _refuse(np.flatnonzero(~reached))
@@ -419,6 +419,7 @@ def _solve_public() -> list[Case]:
         Case(linked(40, a_drive(np.random.default_rng(842), 30, 10), {}), "40 variables without a start"),
         Case(_precise(np.random.default_rng(843)), "weights of 1e8, and five parts without a start"),
         Case(_in_parts(np.random.default_rng(844), 9), "two parts of nine, in mixed order"),
+        Case(_held(np.random.default_rng(845)), "25 steps known to 0.1 mm, in metres, and a start"),
     ]
 
 
@@ -448,6 +449,16 @@ def _precise(rng: np.random.Generator, parts: int = 5) -> Pair:
     return linked(4 * parts, links, {})
 
 
+def _held(rng: np.random.Generator, steps: int = 25, *, at_zero: bool = False) -> Pair:
+    """Return a walk in metres that a start holds: its smallest eigenvalue is about 1e-10 of its largest one.
+
+    at_zero: everything is at 0, so that an iterative solver is exact, too.
+    """
+    variances, size = rng.uniform(0.8e-8, 1.2e-8, steps), 0.0 if at_zero else 0.05
+    links = [(i, i + 1, size, float(variance)) for i, variance in enumerate(variances)]
+    return linked(steps + 1, links, {0: 40 * size})
+
+
 def _coarse(rng: np.random.Generator) -> Pair:
     """Return a drive in millimetres."""
     return linked(8, a_drive(rng, 6, 2, (2e4, 4e5)), {0: float(rng.normal(0, 100))})
@@ -466,6 +477,7 @@ def _solve_hidden(rng: np.random.Generator) -> list[Case]:
         _in_parts(rng, 7, 4, mixed=False),
         linked(60, a_drive(rng, 50, 10), {}),
         *(_precise(rng, parts) for parts in (5, 6)),
+        *(_held(rng, steps) for steps in (15, 25)),
     ]
     return [Case(system) for system in systems]
 
@@ -480,7 +492,7 @@ SOLVE = Exercise(
     driver=DRIVER,
     hints=(
         "np.linalg.solve does the first part. For the second part, np.linalg.eigh(omega) returns eigenvalues and, in the columns of a matrix, their eigenvectors. Which columns matter, and what does a nonzero entry of such a column mean for its variable?",
-        "With values, vectors = np.linalg.eigh(omega), the columns with an eigenvalue of nearly 0, compared with the largest one, are the free directions. Use <= for this comparison, because the largest may be 0 itself. Every variable with a nonzero entry in a free direction can be moved: raise a ValueError with all their numbers.",
+        "With values, vectors = np.linalg.eigh(omega), the columns with an eigenvalue of at most 1e-12 of the largest one are the free directions. Use <= for this comparison, because the largest may be 0 itself. Every variable with a nonzero entry in a free direction can be moved: raise a ValueError with all their numbers.",
     ),
     mistakes=catalogue("""
         names nothing: f"nothing holds {', '.join(map(str, loose))}" => "the system is singular"
@@ -497,7 +509,7 @@ SOLVE = Exercise(
             +     pass
             You rely on NumPy's LinAlgError. Because of rounding, a singular matrix often has a pivot of 1e-16 instead of 0, so NumPy raises nothing and returns a meaningless x. Before you solve, compare the eigenvalues with a small fraction of the largest one.
         NumPy's solve alone: + return np.linalg.solve(omega, xi)
-            Your solutions are right. If the system is singular, np.linalg.solve names no variable, and rounding often hides the problem from it. Before you solve, look for eigenvalues of nearly 0, and raise a ValueError with the numbers of the variables that can be moved freely.
+            Your solutions are right. If the system is singular, NumPy names no variable, and rounding often hides the problem from it. Before you solve, look for eigenvalues of nearly 0, and raise a ValueError with the numbers of the variables that can be moved freely.
         a determinant: + if abs(np.linalg.det(omega)) < 1e-9:
             +     raise ValueError("the system is singular")
             + return np.linalg.solve(omega, xi)
@@ -519,6 +531,8 @@ SOLVE = Exercise(
             Your limit for an eigenvalue of 0 is too large. In millimetres the weights of the measurements are a millionth of the weight of the start, and their eigenvalues are not 0. Compare with a very small fraction of the largest eigenvalue, such as 1e-12.
         too large a fraction: 1e-12 * values.max() => 1e-3 * values.max()
             Your fraction of the largest eigenvalue is too large. Rounding leaves about 1e-16 of it, and an eigenvalue of a millionth of it need not be 0: use a fraction such as 1e-12.
+        too large a fraction for precise steps: 1e-12 * values.max() => 1e-8 * values.max()
+            Your fraction of the largest eigenvalue is too large. Steps known to 0.1 mm have weights of 1e8, and a start of weight 1 still holds them: the smallest eigenvalue is then 1e-10 of the largest one, but not 0. Use a fraction such as 1e-12.
         large entries only: axis=1) > 1e-6 => axis=1) > 0.3
             Your limit for the entries of a free direction is too large. If 40 variables move together, each entry is only 0.16. Compare with a number such as 1e-6.
         entries above 0 only: np.linalg.norm(free, axis=1) > 1e-6 => (free > 1e-6).any(axis=1)
@@ -625,6 +639,9 @@ MARGINALIZE = Exercise(
             You return the covariance and the solution of the kept variables. Return the omega and the xi of the smaller system.
         single entries: + return omega[keep, keep], xi[keep]
             omega[keep, keep] selects single entries of the diagonal. A block is omega[np.ix_(keep, keep)]. After that, the second terms of equation 8.5 are missing.
+        both blocks by pairs: between = omega[np.ix_(keep, removed)] => between = omega[keep, removed]
+            omega[np.ix_(removed, removed)] => omega[removed, removed]
+            omega[keep, removed] and omega[removed, removed] do not select blocks: NumPy pairs the two lists, number by number. Write omega[np.ix_(keep, removed)], and likewise for every other block.
         kept block by pairs: omega[np.ix_(keep, keep)] => omega[keep, keep]
             omega[keep, keep] selects entries of the diagonal and not the block of the kept variables. The block is omega[np.ix_(keep, keep)].
         x of the removed variables: + removed = [number for number in range(len(xi)) if number not in keep]
@@ -764,6 +781,10 @@ def _sparse_public() -> list[Case]:
             _sparse(_precise(np.random.default_rng(843)), "csr"),
             "weights of 1e8, and five parts without a start",
         ),
+        Case(
+            _sparse(_held(np.random.default_rng(845), at_zero=True), "csc"),
+            "25 steps known to 0.1 mm, in metres, and a start",
+        ),
     ]
 
 
@@ -777,6 +798,7 @@ def _sparse_hidden(rng: np.random.Generator) -> list[Case]:
         Case(_sparse(_coarse(rng), "csc")),
         Case(_sparse(_fine(rng), "csr")),
         Case(_sparse(_precise(rng), "csc")),
+        Case(_sparse(_held(rng, at_zero=True), "csr")),
         Case(_sparse(linked(9, a_drive(rng, 6, 3, (0.0008, 0.001)), {2: float(rng.normal())}), "csr")),
         Case(_sparse(a_solved_drive(rng, 12, 5), "csc")),
         *(Case(_sparse(_in_parts(rng, size), "csr")) for size in (3, 6)),
@@ -819,7 +841,7 @@ SOLVE_SPARSE = Exercise(
     driver=DRIVER,
     seconds=10.0,  # a poor order takes a minute, a good one milliseconds
     hints=(
-        "There are two parts. To solve, scipy.sparse.linalg.splu factors a csc matrix, and its permc_spec chooses the order of elimination; its documentation says which choice suits symmetric patterns. To name the variables, scipy.sparse.csgraph.connected_components finds the groups of variables that edges connect.",
+        "connected_components returns the number of groups and, for each variable, the number of its group. np.bincount with weights adds up the row sums of omega in each group. What is this total without a start, and what with one?",
         'An edge adds 0 to the sum of a row, and a start adds 1. So a group is held if the sums of its rows add up to more than rounding errors. For the order, splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A") applies minimum degree to the pattern of omega + omega.T.',
     ),
     mistakes=catalogue("""
@@ -855,6 +877,8 @@ SOLVE_SPARSE = Exercise(
             There are two errors. Because of rounding, splu does not notice every singular matrix. And you name all variables: leave out the variables that are connected to a start.
         a large sum only: starts[part] < 0.5 => starts[part] < 1e-3 * omega.diagonal().max()
             Your limit for the sum of the rows is too large. A start adds 1, and measurements of 3 cm add weights of 1,000 to the diagonal. Compare with a much smaller fraction of the weights.
+        too large a fraction: starts[part] < 0.5 => starts[part] < 1e-6 * omega.diagonal().max()
+            Your limit for the sum of the rows is too large a fraction of the weights. Steps known to 0.1 mm have weights of 1e8, and a start still adds 1. Rounding leaves about 1e-16 of the weights, so use a fraction such as 1e-12.
         a fixed limit: starts[part] < 0.5 => starts[part] < 1e-9
             Your limit for the sum of the rows is a fixed number that is too small. With weights of 1e8, rounding errors alone are larger. Compare with a small fraction of the weights.
         a sum that is exactly 0: starts[part] < 0.5 => starts[part] == 0
@@ -884,7 +908,7 @@ SOLVE_SPARSE = Exercise(
         stopped early: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi, rtol=1e-3)[0]
             Your solutions are close but not exact. An iterative solver stops at a tolerance, and its default is coarse: set a smaller one, or use a direct solver.
         the default tolerance: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)[0]
-            An iterative solver stops at a tolerance, and its default, 1e-5, is too coarse here. Set rtol to 1e-12, or use a direct solver such as splu.
+            Your iterative solver stopped before x was exact: at its tolerance, which is too coarse by default, or after its largest number of iterations. Set both (cg: rtol=1e-12 and maxiter; lsqr: atol, btol and iter_lim), or use a direct solver such as splu.
         each variable alone: starts[part] < 0.5 => np.abs(omega @ np.ones(len(xi))) < 1e-9
             You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
         the solver's report, too: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)

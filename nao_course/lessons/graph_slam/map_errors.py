@@ -100,6 +100,11 @@ def draw_turning(errors: dict[str, FloatArray]) -> Drawing:
         ax.plot(
             degrees, values, color=style.colour, marker=style.marker, ls=style.line, lw=2, ms=6, label=name
         )
+    no_turn = next(iter(errors.values()))
+    if np.isfinite(doubled := doubling_turn(no_turn)):
+        ax.plot(doubled, 2 * no_turn[0], "o", mfc="none", mec="black", ms=12, mew=1.6, zorder=5)
+        where = (doubled, 2 * no_turn[0])
+        ax.annotate(f"doubled at {doubled:.1f}°", where, (-4, 28), textcoords="offset points")
     ax.set(xlabel="total turn of the drive (degrees)", ylabel="error of the map (m)", ylim=0, xlim=0)
     ax.grid(color="#e3e5e8")
     ax.legend()

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray
@@ -14,7 +15,7 @@ from nao_course.lessons.graph_slam.drives import Constraint, LinearDrive, field_
 from nao_course.lessons.graph_slam.figures import map_keys, plot_graph_map
 from nao_course.lessons.graph_slam.matrices import plot_matrix, sign_keys
 from nao_course.lessons.graph_slam.systems import Builders, Function, map_error, solve_axes
-from nao_course.plotting import Drawing, course_style
+from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY, style_of
 
@@ -110,6 +111,9 @@ def draw_residuals(**maps: FloatArray) -> Drawing:
         for stop in _without_landmark(drive):
             label = f"$x_{{{stop}}}$"
             above.annotate(label, positions[stop], (7, -4), textcoords="offset points", fontsize=11, zorder=8)
+            true = STYLES["truth"].colour
+            above.plot(*np.array([positions[stop], drive.path[stop]]).T, ":", color=true, lw=1.3, zorder=7)
+            above.plot(*drive.path[stop], "o", mfc="none", mec=true, mew=1.4, ms=6, zorder=7)
         missed = residuals(drive, positions)
         _plot_residuals(drive.constraints, missed, below)
         total = f"sum of squares {sum_of_squares(drive, positions):.0f}, largest residual {missed.max():.1f} sigma"
@@ -117,7 +121,10 @@ def draw_residuals(**maps: FloatArray) -> Drawing:
         words.append(f"{name.replace('_', ' ')}: {said}, {total}")
     for ax in axes[0, 1:]:
         ax.set(ylabel="")
-    legend_below(figure, map_keys("estimated"), columns=3)
+    stops = ", ".join(f"$x_{{{stop}}}$" for stop in _without_landmark(drive))
+    place = Line2D([], [], color=STYLES["truth"].colour, marker="o", mfc="none", ms=6, ls=":")
+    place.set_label(f"true place of {stops}")
+    legend_below(figure, [*map_keys("estimated"), place], columns=3)
     return Drawing(figure, f"Maps of one drive, and the residuals of its constraints. {'; '.join(words)}.")
 
 

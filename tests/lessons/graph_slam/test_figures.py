@@ -105,7 +105,9 @@ def test_the_doubling_turn_an_error_is_between_its_angles():
     errors = 0.1 + 0.02 * np.degrees(ANGLES)
     assert doubling_turn(errors) == pytest.approx(5.0)
     assert np.isnan(doubling_turn(np.full(len(ANGLES), 0.1)))
-    said = draw_turning(dict.fromkeys(HEADINGS, errors)).alt
+    drawing = draw_turning(dict.fromkeys(HEADINGS, errors))
+    assert drawing.figure.axes[0].texts[0].get_text() == "doubled at 5.0°"
+    said = drawing.alt
     assert said.count("0.50 m at 20 degrees") == len(HEADINGS)
 
 
