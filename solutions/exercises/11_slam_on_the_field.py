@@ -1384,6 +1384,15 @@ GRAPH_SLAM = Exercise(
             + ends = [slice(3 * p - 3, 3 * p), *(slice(n, n + 2) for n in range(3 * p, graph.size, 2))]
             + blocks = [whole[each, each] for each in ends]
             Your covariances come from the whole H, in which the entire map can still move. Hold the first pose: H[3:, 3:].
+        noise not turned, observe unwritten: rotation_2d(-motion.turn) => np.eye(2)
+            seen, here, origin = as_observation(measurements), len(self.poses) - 1, np.zeros(3) => raise NotImplementedError
+            Your odometry noise is along and across the old heading, but pose_residual works in the new pose's frame. Turn the noise by -motion.turn.
+        noise not turned, plain blocks of R: rotation_2d(-motion.turn) => np.eye(2)
+            values, R, strict => values, [seen.part([n]).covariance for n in used], strict
+            Two errors: turn the odometry noise by -motion.turn, because pose_residual works in the new pose's frame, and use the covariances from seen.part(used).decorrelated(ranges) in place of plain blocks of R.
+        noise not turned, plain values and blocks: rotation_2d(-motion.turn) => np.eye(2)
+            values, R, strict => seen.values[used], [seen.part([n]).covariance for n in used], strict
+            Two errors: turn the odometry noise by -motion.turn, because pose_residual works in the new pose's frame, and use values and covariances from seen.part(used).decorrelated(ranges) in place of the measurements and plain blocks of R.
     """),
     alternatives={
         "a dense inverse": _Graph,

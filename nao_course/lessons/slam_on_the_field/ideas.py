@@ -13,7 +13,7 @@ from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.style import GREY
 
 RECORDED = Path(__file__).with_suffix(".json")
-EXPECTED = 3.0  # mean NEES of a consistent pose
+EXPECTED = 2.37  # median NEES of a consistent pose: chi-square with 3 degrees of freedom
 
 
 @course_style()
@@ -41,7 +41,7 @@ def draw_ideas() -> Drawing:
     axes[1].axvline(EXPECTED, color=GREY, lw=1, ls=":")
     axes[2].set(xlabel="matched with a\nwrong landmark (%)", xlim=(0, 8))
     for ax, label in zip(
-        axes[:2], ("final position error (cm)", "final pose NEES (consistent: 3)"), strict=True
+        axes[:2], ("final position error (cm)", "final pose NEES (consistent median: 2.4)"), strict=True
     ):
         ax.set(xscale="log", xlabel=label, ylim=(0.6 - len(rows), 0.7))
     axes[0].xaxis.set_major_formatter("{x:g}")

@@ -13,7 +13,9 @@ from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.observation import observation
 from nao_course.geometry import Pose
 from nao_course.lessons.slam_on_the_field import gates
-from nao_course.lessons.slam_on_the_field.worlds import DrawnDrive, drawn_drive
+from nao_course.lessons.slam_on_the_field.associating import RUNS
+from nao_course.lessons.slam_on_the_field.panel import LANDMARK_SIGMA
+from nao_course.lessons.slam_on_the_field.worlds import KINDS, DrawnDrive, association_problem, drawn_drive
 from nao_course.slam import DeadReckoning, Measurement
 from tests.lessons.every import quotes
 from tests.paths import SOLUTIONS
@@ -93,10 +95,31 @@ def test_the_lesson_states_what_was_recorded_of_drives_and_single_pictures():
         f"{usual_j['> 10 cm']} of 30",
         f"{wide_j['> 50 cm']} of 30",
     )
-    looks = found["looks"]
-    at = [f"{looks['gate 3'][f'{sigma} degrees']['right']:.0f} %" for sigma in (2, 5, 10)]
-    quotes(section("Which landmark is it?"), *at, "60 %")
-    assert looks["gate 1"]["2 degrees"]["left out"] == pytest.approx(60, abs=5)
+
+
+def test_the_text_says_how_many_matches_are_right_in_the_panels_thirty_pictures(own):
+    def right(heading, position=0.15, gate=3.0):
+        pictures = [
+            association_problem(seed, position, np.radians(heading), LANDMARK_SIGMA) for seed in range(RUNS)
+        ]
+        given = [
+            (each.state, each.covariance, list(KINDS), each.observation, each.observation.covariance)
+            for each in pictures
+        ]
+        return np.concatenate(
+            [
+                own["associate"](*of, gate) == np.array(each.origins)
+                for of, each in zip(given, pictures, strict=True)
+            ]
+        )
+
+    told = section("Which landmark is it?")
+    shares = [f"{100 * right(heading).mean():.0f} % at {heading}°" for heading in (5, 10)]
+    near = f"{100 * right(2, position=0.01).mean():.0f} % are right at 2°"
+    quotes(told, f"{100 * right(2).mean():.0f} % of the matches are right at 2°", *shares, near)
+    for heading in (8, 2):
+        usual, tight = right(heading), right(heading, gate=1.0)
+        quotes(told, f"{100 * (1 - (tight & usual).sum() / usual.sum()):.0f} % at {heading}°")
 
 
 @pytest.mark.slow

@@ -5,8 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from nao_course.lessons.slam_on_the_field.one_drive import draw_one_drive
+from nao_course.lessons.slam_on_the_field.one_drive import draw_one_drive, the_drive
 from nao_course.lessons.slam_on_the_field.panel import ReplayPanel
+from nao_course.lessons.slam_on_the_field.worlds import LANDMARKS
+from nao_course.slam import range_and_bearing
 from tests.lessons.every import quotes
 from tests.paths import SOLUTIONS
 
@@ -21,6 +23,16 @@ def numbers(alt, title):
 
 def test_in_metres_a_quarter_of_the_matches_is_wrong():
     assert numbers(draw_one_drive().alt, "nearest in metres") == (23, 39)
+
+
+def test_the_ranges_of_a_picture_are_too_long_together_or_too_short():
+    drive, alike = the_drive(), []
+    for (_, seen), pose, origins in zip(drive.log, drive.poses, drive.origins, strict=True):
+        exact = range_and_bearing(pose, LANDMARKS)[list(origins), 1]
+        off = np.array([each.range for each in seen]) - exact
+        if len(off) > 1:
+            alike.append(bool((off > 0).all() or (off < 0).all()))
+    assert f"In {sum(alike)} of the {len(alike)} pictures with two or more landmarks" in TEXT
 
 
 def test_the_text_says_what_associate_does_on_the_drive(own):
