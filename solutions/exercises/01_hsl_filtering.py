@@ -123,7 +123,7 @@ RGB_TO_HSL = Exercise(
         the red line left out, and 0 divided by 0: sixths = np.where(largest == red, (green - blue) / divisor, sixths) => pass
             np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => (1 - np.abs(largest + smallest - 1))
             There are two errors. The first line of equation 1.3, for M = r, has no effect in your code: assign the result of np.where to sixths. And the saturation of black and white is NaN: replace its denominator by 1 where a pixel is grey.
-        the scaffold's divisor in the numerator: (largest - smallest) / np.where(grey, 1.0, => divisor / np.where(grey, 1.0,
+        the scaffold's divisor in the numerator: saturation = (largest - smallest) => saturation = divisor
             Your grey pixels have saturation 1, because divisor is 1 there. It is meant for denominators only. The numerator of equation 1.2 is largest - smallest.
         the hue's divisor: np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => divisor
             Your saturation is 1 for every colour, because its denominator equals M - m. The denominator of equation 1.2 is 1 - |M + m - 1|, with a plus sign.
@@ -139,7 +139,7 @@ RGB_TO_HSL = Exercise(
             sixths = np.where(largest == red, (green - blue) / divisor, sixths) => sixths = np.where(grey, 4.0, np.where(largest == red, (green - blue) / divisor, sixths))
             Your grey pixels do not have hue 0. All their channels are equal, so the condition for red has to be tested first.
         black and white divided by zero: np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => (1 - np.abs(largest + smallest - 1))
-            The saturation of black and white is NaN, because their denominator 1 - |M + m - 1| is 0. Replace it by 1 where a pixel is grey.
+            The saturation of black and white is not a finite number, because their denominator 1 - |M + m - 1| is 0. Replace it by 1 where a pixel is grey.
         HSV's saturation: np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => np.where(largest == 0, 1, largest)
             You compute the saturation of HSV, (M - m) / M. The saturation of HSL is (M - m) / (1 - |M + m - 1|), equation 1.2.
         the mean of three channels: 255 * (largest + smallest) / 2 => 255 * (red + green + blue) / 3
@@ -587,10 +587,10 @@ CALIBRATE_HUE = Exercise(
         Case((*_grass(16, 4, 12), 3.0), "a red ball, epsilon 3"),
         Case((*_row([2, 10, 20], [0.5, 0.4, 0.01]), 5.0), "epsilon moves a limit past 0"),
         Case((*_row([200, 330], [0.5, 0.4]), 0.0), "two hues, 200 and 330"),
+        Case((*_row([0, 0, 0, 170, 200]), 0.0), "hues 0, 170 and 200"),
         Case((*_row([345, 355]), 5.0), "epsilon moves a limit to 0"),
         Case((*_row([0, 5, 10], [0.5, 0.4, 0.3]), 1.0), "pure red, which has the hue 0, and no grey"),
         Case((*_row([350, 355, 5, 10]), 2.0), "the example of the docstring"),
-        Case((*_row([0, 0, 0, 170, 200]), 0.0), "hues 0, 170 and 200"),
     ],
     hidden=lambda rng: [
         *(Case((*_grass(rng, *rng.uniform((60, 8), (300, 30))), e)) for e in (0.0, 4.0, 7.5)),
@@ -666,6 +666,14 @@ CALIBRATE_HUE = Exercise(
             You stop at 0 and at 360. A limit that moves past 0 goes on from 360, so take both modulo 360.
         360 instead of 0: (high + epsilon) % 360 => high + epsilon if high + epsilon <= 360 else high + epsilon - 360
             You return a limit of 360. Hues are below 360, so this one is 0: take it modulo 360.
+        smallest and largest exchanged if far apart: + low, high = hue[saturation > 0].min(), hue[saturation > 0].max()
+            + if high - low > 180:
+            +     low, high = high, low
+            + return float((low - epsilon) % 360), float((high + epsilon) % 360)
+            You exchange the smallest and the largest hue if they are far apart. For 350, 355, 5 and 10 this gives the arc from 355 to 5, which leaves out 350 and 10. The ends of the arc are the hues on both sides of the widest gap.
+        cut at 180: + turned = (hue[saturation > 0] + 180) % 360
+            + return float((turned.min() + 180 - epsilon) % 360), float((turned.max() + 180 + epsilon) % 360)
+            You cut the circle at 180 degrees, so your arc begins with a hue above 180 and ends with one below it. The widest gap can be anywhere else, for example between 0 and 170 with the hues 0, 170 and 200. Cut the circle there.
         cut at 0 or at 180: + there = hue[saturation > 0]
             + turned = (there + 180) % 360
             + if np.ptp(there) <= np.ptp(turned):
@@ -711,10 +719,10 @@ PLAN = LessonPlan(
         ),
         Question(
             "why_epsilon",
-            "Why does the paper widen the limits of green by epsilon, but not the limits of yellow?",
+            "Without epsilon, the limits of green leave out 22 % of the carpet, but the limits of yellow only 11 % of the goal. Why does green need epsilon more?",
             {
-                "The carpet is everywhere, but its example shows only one place.": "The robot sees the carpet near and far, in shadow and in glare, and its hue varies a little. The goal is small, in one place and in one light.",
-                "Yellow's example has more pixels, so it contains all of its hues.": "Yellow's example is the smaller one. The number of pixels does not matter, but the example has to show the colour in every light that occurs.",
+                "The carpet is everywhere, but its example shows only one place.": "The example of green is a patch in front of the robot, but the robot sees carpet near and far, in shadow and in glare. The example of yellow is the goal itself, without its edges. In another light, yellow needs wider limits as well: you will see this in the challenge.",
+                "Yellow's example has more pixels, so it contains all of its hues.": "Yellow's example is the smaller one: 1,724 pixels, and 4,800 of the carpet. Their number does not matter, but the example has to show the colour in every light that occurs.",
                 "A wider yellow would include hues of the carpet.": "There is enough room between them: yellow is at 60 degrees, and the hues of the carpet begin about 50 degrees further on. You can try it in the panel below.",
             },
             "The carpet is everywhere, but its example shows only one place.",

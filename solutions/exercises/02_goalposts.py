@@ -696,13 +696,17 @@ FIND_GOALPOSTS = Exercise(
         green not scaled: [8 * scale, 10 * scale] => [8, 10]
             You scale the distance for clustering, but min_green and look_down are the same for every size. Scale them too.
         all green: 8 * scale => 10 * scale
-            You require that all pixels below a foot are green. A fifth of them may be something else, such as a thin line or noise.
+            You require too many green pixels below a foot. A fifth of the pixels there may be something else, such as a thin line or noise.
         one green pixel far down: [8 * scale, 10 * scale] => [scale, 24 * scale]
             You test many pixels below the foot and require few green ones. There is carpet far below almost every object, so test fewer pixels and require more green.
         half green: 8 * scale => 5 * scale
             You report a bag above a thin strip of green. Half of the pixels below it are green, so require more than that.
         a fifth of the height: 0.1 => 0.2
             You lose distant posts. A post of a tenth of the picture's height has to be found.
+        three twentieths of the height: 0.1 => 0.15
+            Your smallest height is more than a tenth of the picture's height, so you lose posts that are hardly taller than that. Lower it.
+        look_down rounded down: np.ceil([8 * scale, 10 * scale]).astype(int) => 8 * scale, int(10 * scale)
+            In small pictures you require more green pixels than you test: for 36 rows, 8 * scale is 1.2, but int(10 * scale) is 1. Round both numbers in the same way.
         height scaled: 0.1 => 0.1 * scale
             You scale min_height, which is a fraction of the picture's height already. Use the same fraction for every size.
         scale upside down: len(labels) / 240 => 240 / len(labels)

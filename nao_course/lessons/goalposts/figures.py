@@ -156,7 +156,7 @@ def _plot_column(ax: Axes, column: npt.NDArray[Any], u: int, look_down: int) -> 
     run = foot - (int(others[-1]) if len(others) else -1)
     ax.add_patch(Rectangle((-0.1, foot + 0.5), 1.2, look_down, fill=False, ec=FOUND, lw=2))
     ax.plot(-0.17, foot, ">", color=FOUND, ms=9, clip_on=False)
-    ax.set_xlabel(f"lowest yellow {foot}\n{green} of {look_down} green\nrun {run} px")
+    ax.set_xlabel(f"lowest yellow {foot}")
     return f"Column {u}: lowest yellow at {foot}, {green} of {look_down} pixels below it green, run of {run} pixels."
 
 
@@ -269,6 +269,8 @@ def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pi
             path_effects=HALO,
         )
         ax.annotate(f"y of the {name}", (at + end) / 2, at_line, **look)
+    starts = np.transpose([camera - 0.17 * across, camera + 0.09 * across])
+    ax.plot(*starts, color=FOUND, lw=1)  # where both arrows for z start
     ax.plot(*camera, "s", color="black", ms=9)
     focal = 0.36 * distance  # the image plane, not to scale
     centre = camera + focal * along
@@ -401,6 +403,7 @@ def _plot_parts(
         middle,
         parts,
         [parts - np.minimum(low, parts), np.maximum(high, parts) - parts],
+        ls="none",
         capsize=3,
         lw=1.6,
         ms=6,

@@ -116,13 +116,15 @@ def draw_hue_circle(
     keys: list[Artist] = []
     for ring, (name, values) in enumerate(angles.items(), start=3):
         style = list(STYLES.values())[(ring - 3) % len(STYLES)]
+        middle = float(np.degrees(np.angle(np.exp(1j * np.radians(values)).sum()))) % 360
+        colour = hsv_to_rgb([middle / 360, 1.0, 0.6])  # the object's own hue
         spread = ring + 0.35 * np.sin(12.9898 * np.arange(len(values)))  # apart, but the same each time
-        ax.plot(np.radians(values), spread, style.marker, ms=4, color=style.colour, alpha=0.6, mec="none")
-        keys.append(Line2D([], [], color=style.colour, marker=style.marker, ls="", label=name))
+        ax.plot(np.radians(values), spread, style.marker, ms=4, color=colour, alpha=0.6, mec="none")
+        keys.append(Line2D([], [], color=colour, marker=style.marker, ls="", label=name))
         if limits and name in limits:
             low, high = limits[name]
             arc = np.radians(np.linspace(low, low + (high - low) % 360, 200))
-            ax.plot(arc, np.full_like(arc, ring + 0.47), color=style.colour, lw=3)
+            ax.plot(arc, np.full_like(arc, ring + 0.47), color=colour, lw=3)
     ax.set_rlim(0, len(angles) + 3.25)
     ax.set_rticks([])
     ax.grid(color="#e3e5e8")

@@ -6,21 +6,25 @@ import pytest
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.datasets import read_pictures
 from nao_course.exercises import load_definitions
+from nao_course.geometry import Pose
 from nao_course.lessons.goalposts.measuring import Feet, match_feet
-from nao_course.lessons.goalposts.scenes import PostScene, approach
+from nao_course.lessons.goalposts.scenes import PostScene, approach, match_scenes, scenes_by_distance
 from nao_course.metrics import total
-from nao_course.sim import Field, standard_scenes
+from nao_course.sim import Field, SimulatedNao, Truth, standard_scenes
 from tests.paths import PROJECT
 
 COLOURS = load_definitions(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
 OWN = load_definitions(PROJECT / "solutions" / "02_goalposts.ipynb")
 
 
-def find(picture):
-    labels = COLOURS["color_labels"](
-        picture, GREEN, YELLOW, COLOURS["white_threshold"](mean_lightness(picture))
+def label(picture, green=GREEN, yellow=YELLOW):
+    return COLOURS["color_labels"](
+        picture, green, yellow, COLOURS["white_threshold"](mean_lightness(picture))
     )
-    return OWN["find_goalposts"](labels)
+
+
+def find(picture):
+    return OWN["find_goalposts"](label(picture))
 
 
 def on_real(name, folder):
@@ -88,3 +92,27 @@ def test_clusters_are_the_same_in_any_order_and_moved_points_move_them(rng):
 def test_pictures_of_one_label_have_no_posts(label, shape):
     found = OWN["find_goalposts"](np.full(shape, label, dtype=np.uint8))
     assert found.shape == (0, 2)
+
+
+def test_one_candidate_of_the_lessons_scene_is_on_the_side_of_its_post():
+    """It is the tenth at the right post, and it joins the cluster at the foot from 13 pixels on."""
+    nao = SimulatedNao(Field(2012), Pose(0.6, 0.5, -0.25), rng=41)
+    picture = nao.take_picture("bottom")
+    scene = PostScene.of(picture.pixels, Truth(nao).picture, Field(2012))
+    candidates = OWN["post_candidates"](label(picture.pixels), 8, 10, 0.1)
+    at_right = candidates[candidates[:, 0] > 160]
+    assert len(candidates) == 20 and sorted(at_right[:, 1])[:2] == [121, 133]
+    assert [len(OWN["cluster_points"](candidates, distance)) for distance in (2, 12, 13, 20)] == [3, 3, 2, 2]
+    assert scene.match(OWN["cluster_points"](candidates, 20.0)).found.all()
+
+
+@pytest.mark.slow
+def test_with_the_limits_of_lesson_01_ten_feet_of_65_are_found():
+    scenes = scenes_by_distance()
+
+    def count(green, yellow):
+        match = total(match_scenes(lambda each: OWN["find_goalposts"](label(each, green, yellow)), scenes))
+        return match.hits, len(match.found), match.false
+
+    assert count(GREEN, YELLOW) == (62, 65, 3)
+    assert count((109.0, 144.0), (58.0, 62.0)) == (10, 65, 1)

@@ -1,12 +1,15 @@
 """Light in lesson 01: a factor of it, where it breaks the threshold, and what figures say of that."""
 
+import cv2
 import numpy as np
 import pytest
 
 from nao_course.exercises import load_definitions
+from nao_course.geometry import Pose
 from nao_course.lessons.hsl_filtering import crossing, draw_light_limits, draw_lightness, in_light
 from nao_course.lessons.hsl_filtering.light import BINS, lightness_counts
 from nao_course.lessons.hsl_filtering.payoff import LIGHTS, draw_payoff, payoff_scene
+from nao_course.sim import Field, SimulatedNao, Truth
 from tests.drawings import assert_same_bytes_with_words
 from tests.paths import SOLUTIONS
 
@@ -99,3 +102,20 @@ def test_the_payoff_is_drawn_by_the_students_functions_and_says_which_lines_are_
 
     with pytest.raises(NotImplementedError):
         draw_payoff(**{**own, "calibrate_hue": blank})
+
+
+def test_epsilon_widens_the_limits_of_green_and_would_widen_those_of_yellow_as_lesson_01_says(hsl):
+    nao = SimulatedNao(Field(2012), Pose(0.6, 0.5, -0.25), rng=41)
+    hue, saturation, _ = hsl["rgb_to_hsl"](nao.take_picture("bottom").pixels)
+    labels = Truth(nao).picture.labels
+    goal = cv2.erode((labels == 2).astype(np.uint8), np.ones((5, 5))) > 0
+
+    def part(example, epsilon, of):
+        limits = hsl["calibrate_hue"](hue[example], saturation[example], epsilon)
+        return hsl["hue_mask"](hue[labels == of], *limits).mean()
+
+    assert [part(np.s_[200:, 100:220], epsilon, 1) for epsilon in (0.0, 10.0)] == pytest.approx(
+        [0.78, 0.97], abs=0.006
+    )
+    assert [part(goal, epsilon, 2) for epsilon in (0.0, 5.0)] == pytest.approx([0.89, 0.99], abs=0.006)
+    assert goal.sum() == 1724
