@@ -119,7 +119,7 @@ def draw_bug_hunt(
     curves.set(xlabel="heading (degrees)", xticks=range(0, 181, 45), ylim=0)
     curves.set_title("Largest error of a σ (%)", fontsize=11)
     drive.set(xlabel="distance driven (m)", ylim=0)
-    drive.set_title("cross-track σ (cm), heading 30°", fontsize=11)
+    drive.set_title("cross-track σ at 30° (cm)", fontsize=11)
     lines = [Line2D([], [], color=c, ls=line, lw=width, label=bug) for bug, (c, line, width) in BUGS.items()]
     lines.insert(0, Line2D([], [], color=ESTIMATE.colour, lw=9, alpha=0.35, label="your prediction"))
     legend_below(figure, [*cloud_keys(), *lines])
