@@ -78,6 +78,9 @@ def doubling_turn(errors: FloatArray) -> float:
     return float(degrees[last - 1] + part * (degrees[last] - degrees[last - 1]))
 
 
+_LINE = {"textcoords": "offset points", "arrowprops": {"arrowstyle": "-", "color": "black", "shrinkB": 7}}
+
+
 @course_style()
 def draw_turning(errors: dict[str, FloatArray]) -> Drawing:
     """Draw the error of the map over the turn of the drive.
@@ -103,8 +106,7 @@ def draw_turning(errors: dict[str, FloatArray]) -> Drawing:
     no_turn = next(iter(errors.values()))
     if np.isfinite(doubled := doubling_turn(no_turn)):
         ax.plot(doubled, 2 * no_turn[0], "o", mfc="none", mec="black", ms=12, mew=1.6, zorder=5)
-        where = (doubled, 2 * no_turn[0])
-        ax.annotate(f"doubled at {doubled:.1f}°", where, (-4, 28), textcoords="offset points")
+        ax.annotate(f"doubled at {doubled:.1f}°", (doubled, 2 * no_turn[0]), (-4, 100), **_LINE)
     ax.set(xlabel="total turn of the drive (degrees)", ylabel="error of the map (m)", ylim=0, xlim=0)
     ax.grid(color="#e3e5e8")
     ax.legend()
