@@ -267,10 +267,10 @@ def draw_blind_start(
             marker=style.marker,
             markevery=4,
             mec="white",
-            label=f"{name}, standard deviation",
+            label=f"{name}: stated σ",
         )
         error = 100 * np.median([each.errors for each in journeys], axis=0)
-        ax.plot(error, color=style.colour, ls=":", lw=2, label=f"{name}, true error")
+        ax.plot(error, color=style.colour, ls=":", lw=2, label=f"{name}: true error")
         said.append(f"{name} {middle[-1]:.0f} cm")
         off.append(f"{name} {error[-1]:.0f} cm")
     ax.set(xlabel="move", ylabel="median (cm)", xlim=(0, len(middle) - 1), ylim=(0, None))
