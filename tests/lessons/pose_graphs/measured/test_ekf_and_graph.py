@@ -69,7 +69,9 @@ def test_a_long_drive_is_not_in_a_wrong_minimum_when_its_covariance_is_too_small
     mapped = run_smoother(drive, smoother, run_filter(drive, ekf))
     truth = np.concatenate([drive.poses.ravel(), drive.landmarks.ravel()])
     states, _ = smoother.gauss_newton(drive_graph(drive), truth, 15)
-    assert states[: 3 * len(drive.steps)] == pytest.approx(mapped.poses.ravel(), abs=1e-3)
+    away = states[: mapped.poses.size].reshape(-1, 3) - mapped.poses
+    away[:, 2] = wrap_angle(away[:, 2])
+    assert np.abs(away).max() < 1e-2
     assert scores(drive, mapped)["nees"] > 10
     off = wrap_angle(mapped.poses[-1, 2] - drive.poses[-1, 2])
     assert np.degrees(abs(off)) > 15
