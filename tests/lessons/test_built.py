@@ -80,12 +80,6 @@ def test_this_course_is_released_and_nothing_in_it_is_a_secret(tmp_path):
     assert {f"release/notebooks/{name}.ipynb" for name in FINISHED} <= inside
 
 
-def test_a_release_holds_no_code_of_a_solution():
-    """The slow test above finds this out as well, but only after everything else."""
-    files = release.contents(COURSE, FINISHED)
-    assert release.release_problems(COURSE, files) == []
-
-
 PUBLISH = """
 import sys
 from pathlib import Path

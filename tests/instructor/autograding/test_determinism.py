@@ -23,7 +23,7 @@ from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.reports import exports
 from tests.paths import PROJECT, SOLUTIONS
 
-QUICK = {"01_hsl_filtering", "05_ekf_derivations"}
+QUICK = {"01_hsl_filtering"}
 LESSONS = [
     pytest.param(path.stem, marks=[] if path.stem in QUICK else pytest.mark.slow)
     for path in sorted(SOLUTIONS.glob("*.ipynb"))
