@@ -1386,7 +1386,7 @@ GRAPH_SLAM = Exercise(
             Your covariances come from the whole H, in which the entire map can still move. Hold the first pose: H[3:, 3:].
         noise not turned, observe unwritten: rotation_2d(-motion.turn) => np.eye(2)
             seen, here, origin = as_observation(measurements), len(self.poses) - 1, np.zeros(3) => raise NotImplementedError
-            Your odometry noise is along and across the old heading, but pose_residual works in the new pose's frame. Turn the noise by -motion.turn.
+            You do not turn the odometry noise. It is along and across the old heading, but pose_residual works in the new pose's frame: turn the noise by -motion.turn.
         noise not turned, plain blocks of R: rotation_2d(-motion.turn) => np.eye(2)
             values, R, strict => values, [seen.part([n]).covariance for n in used], strict
             Two errors: turn the odometry noise by -motion.turn, because pose_residual works in the new pose's frame, and use the covariances from seen.part(used).decorrelated(ranges) in place of plain blocks of R.
