@@ -3,8 +3,9 @@
 Each picture becomes an `Observation`: bearings and ranges of corners and posts (`lines`, `observation`), the body
 tilt and the heading from the field's lines (`compass`), and the centre circle (`known_shapes.circle`). `association`
 assigns measurements to landmarks. `known_shapes.calibration` estimates the constant offset of a real camera.
-`hypotheses` keeps several where a match is ambiguous. `joint_update` and `surest_first` wrap a SLAM algorithm, `adaptive_noise` estimates the noise of the odometry, and
-`kidnapping` finds the pose of a robot that was carried away. `drives` and `walk` provide simulated and real pictures.
+`hypotheses` keeps several where a match is ambiguous. `joint_update` and `surest_first` wrap a SLAM algorithm,
+`adaptive_noise` estimates the noise of the odometry, and `kidnapping` finds the pose of a robot that was carried away.
+`drives` and `walk` provide simulated and real pictures.
 `demo` runs everything together: the robot drives over the field and maps it (``nao-course demo``).
 """
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -78,7 +79,10 @@ def doubling_turn(errors: FloatArray) -> float:
     return float(degrees[last - 1] + part * (degrees[last] - degrees[last - 1]))
 
 
-_LINE = {"textcoords": "offset points", "arrowprops": {"arrowstyle": "-", "color": "black", "shrinkB": 7}}
+_LINE: dict[str, Any] = {
+    "textcoords": "offset points",
+    "arrowprops": {"arrowstyle": "-", "color": "black", "shrinkB": 7},
+}
 
 
 @course_style()

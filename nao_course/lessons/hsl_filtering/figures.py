@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import colorsys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -117,7 +118,7 @@ def draw_hue_circle(
     for ring, (name, values) in enumerate(angles.items(), start=3):
         style = list(STYLES.values())[(ring - 3) % len(STYLES)]
         middle = float(np.degrees(np.angle(np.exp(1j * np.radians(values)).sum()))) % 360
-        colour = hsv_to_rgb([middle / 360, 1.0, 0.6])  # the object's own hue
+        colour = colorsys.hsv_to_rgb(middle / 360, 1.0, 0.6)  # the object's own hue
         spread = ring + 0.35 * np.sin(12.9898 * np.arange(len(values)))  # apart, but the same each time
         ax.plot(np.radians(values), spread, style.marker, ms=4, color=colour, alpha=0.6, mec="none")
         keys.append(Line2D([], [], color=colour, marker=style.marker, ls="", label=name))

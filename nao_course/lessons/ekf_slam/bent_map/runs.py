@@ -100,7 +100,9 @@ def recorded_run(name: str) -> FilterRun:
     """Return the recorded run of the filter with `TWO_ERRORS`, or with `ONE_ERROR` after the first is mended."""
     run = _recording()[name]
     drive = bent_drive()
-    values = {key: np.array(value, dtype=float) for key, value in run.items() if key != "known"}
+    values: dict[str, Any] = {
+        key: np.array(value, dtype=float) for key, value in run.items() if key != "known"
+    }
     return FilterRun(**values, true_landmarks=drive.landmarks[run["known"]])
 
 
