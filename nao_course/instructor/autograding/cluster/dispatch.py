@@ -235,8 +235,8 @@ def _connect(address: str, say: Callable[[str], object]) -> Client:
     Dask is asked only for addresses that it can use: a client that refuses one stays half open, and when the garbage
     collector closes it while another one starts, both wait for the same lock for ever.
     """
-    where = urlsplit(address if "://" in address else f"tcp://{address}")
-    if not _is_usable(where):
+    where = _usable(address if "://" in address else f"tcp://{address}")
+    if where is None:
         raise ClusterError(
             f"cannot reach a scheduler at {address}: give the address that `dask scheduler` prints, such as "
             "tls://10.0.0.1:8786"
@@ -266,10 +266,13 @@ def _connect(address: str, say: Callable[[str], object]) -> Client:
     return client
 
 
-def _is_usable(where: SplitResult) -> bool:
-    with contextlib.suppress(ValueError):  # of a port that is not a number
-        return where.scheme in _PROTOCOLS and bool(where.hostname) and bool(where.port)
-    return False
+def _usable(address: str) -> SplitResult | None:
+    """Return the parts of an address that Dask can use, or nothing."""
+    with contextlib.suppress(ValueError):  # of a port that is not a number, or half a pair of brackets
+        where = urlsplit(address)
+        if where.scheme in _PROTOCOLS and where.hostname and where.port:
+            return where
+    return None
 
 
 def _is_local(host: str) -> bool:

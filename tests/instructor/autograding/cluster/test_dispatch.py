@@ -236,7 +236,16 @@ def test_a_scheduler_that_is_not_there_is_named(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "address", ["nothing", "tcp://", "tcp://here", "tcp://here:port", "what://10.0.0.1:8786"]
+    "address",
+    [
+        "nothing",
+        "tcp://",
+        "tcp://here",
+        "tcp://here:port",
+        "tcp://[::1",
+        "tcp://here:99999",
+        "what://10.0.0.1:8786",
+    ],
 )
 def test_an_address_that_dask_refuses_leaves_no_client_half_open(address):
     """The garbage collector would close it while another client starts, and both would wait for one lock."""
