@@ -21,6 +21,7 @@ from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import LessonError
 
 LARGEST = 1_000_000  # bytes of an executed notebook
+TRIES = 3  # to start a kernel
 LONGEST = 60  # seconds that a whole lesson may run; a single cell gets as much
 _ADDRESS = re.compile(r"0x[0-9a-f]{7,16}\b")
 _WIDGET = "application/vnd.jupyter.widget-view+json"
@@ -98,8 +99,15 @@ def _run(notebook: NotebookNode, file: str, root: Path) -> None:
 def run_all_cells(client: NotebookClient, variables: Mapping[str, str]) -> None:
     """Run a client's notebook with this environment; `NotebookClient.execute` would leave its event loop open."""
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
-        # The kernel's own log goes nowhere; what a cell writes is an output.
-        runner.run(client.async_execute(env=dict(variables), stderr=DEVNULL))
+        for tries_left in reversed(range(TRIES)):
+            try:
+                # The kernel's own log goes nowhere; what a cell writes is an output.
+                runner.run(client.async_execute(env=dict(variables), stderr=DEVNULL))
+                return
+            except RuntimeError as problem:
+                # Another program may have taken one of the ports that were free when the kernel began.
+                if not (tries_left and "before replying to kernel_info" in str(problem)):
+                    raise
 
 
 def _failed_cell(notebook: NotebookNode) -> int:

@@ -37,14 +37,16 @@ def recognisable(
     mistakes: Sequence[PublicMistake],
     run: Callable[[Callable[..., Any]], Sequence[Outcome]],
     is_stable: Callable[[Callable[..., Any], int, Any], bool],
+    keeps_verdict: Callable[[Callable[..., Any], int, bool], bool],
 ) -> list[MistakePair]:
     """Return the pairs of an exercise's mistakes that a check can recognise.
 
     A pair is left out if one of its mistakes hides the other, if a single mistake or another pair gives the same
-    answers, if it does not end, or if its answers are too large to store. `mistakes` are the single mistakes' answers,
+    answers, if it does not end, if rounding errors decide in which cases it is right, or if its answers are too large
+    to store. `mistakes` are the single mistakes' answers,
     and like the result in the order of the declaration. `run` runs a function on all public cases, and returns fewer
     outcomes if a case takes too long. `is_stable` returns whether a function's wrong answer to a case, given by its
-    number, is the same on every processor.
+    number, is the same on every processor; `keeps_verdict`, whether its answer is right, or wrong, on every one.
     """
     if min(_size(_shortened(case.expected)) for case in cases) > MOST_BYTES:
         return []  # no answer is small enough, so the pairs need not be run
@@ -56,7 +58,7 @@ def recognisable(
     for each in tried:
         others = [other for other in beside[each.wrong] if other is not each]
         answers = _telling_answers(exercise, each, mistakes, others, is_stable)
-        if answers:
+        if answers and all(keeps_verdict(each.function, n, n not in each.wrong) for n in range(len(cases))):
             kept.append(MistakePair(each.mistakes, list(each.wrong), answers))
     return kept
 

@@ -190,9 +190,12 @@ def changed_twice(
 
 @contextmanager
 def without_numeric_warnings() -> Iterator[None]:
-    """Silence what NumPy reports about a wrong implementation, such as a division by zero."""
+    """Silence what NumPy and SciPy report about a wrong implementation, such as a division by zero."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
+        warnings.filterwarnings(
+            "ignore", "Matrix is exactly singular"
+        )  # SciPy's warning is no RuntimeWarning
         yield
 
 

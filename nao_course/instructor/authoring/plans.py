@@ -319,7 +319,13 @@ def _recognisable_pairs(
         outcomes = call_all(function, perturbed[number], exercise.driver, PAIR_SECONDS, answer)
         return all(_right_or_same(exercise, cases[number], wrong, each) for each in outcomes)
 
-    return recognisable(exercise, cases, mistakes, run, is_stable)
+    def keeps_verdict(function: Callable[..., Any], number: int, right: bool) -> bool:
+        outcomes = call_all(function, perturbed[number], exercise.driver, PAIR_SECONDS, answer)
+        return all(
+            bool(judging.judge(exercise.comparison, cases[number], each)) == right for each in outcomes
+        )
+
+    return recognisable(exercise, cases, mistakes, run, is_stable, keeps_verdict)
 
 
 def reference_of(reference: Mapping[str, Callable[..., Any]], exercise: Exercise) -> Callable[..., Any]:

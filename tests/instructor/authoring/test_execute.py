@@ -44,6 +44,29 @@ def test_a_cell_that_raises_is_named_and_no_later_one_runs(stage, kernel):
     assert not (stage / "ran").exists()
 
 
+class Refusing:
+    """A client whose kernels end before they answer, as when another program takes one of their ports."""
+
+    def __init__(self, *problems):
+        self.problems = list(problems)
+
+    async def async_execute(self, **_):
+        if self.problems:
+            raise self.problems.pop(0)
+
+
+def test_a_kernel_that_ends_before_it_answers_is_started_again():
+    died = RuntimeError("Kernel died before replying to kernel_info")
+    client = Refusing(died, died)
+    execute.run_all_cells(client, {})
+    assert not client.problems
+    for problem in (died, RuntimeError("a cell's own")):
+        client = Refusing(problem, died, died, died)
+        with pytest.raises(RuntimeError, match=str(problem)):
+            execute.run_all_cells(client, {})
+        assert len(client.problems) == (1 if problem is died else 3)
+
+
 @pytest.mark.slow
 def test_a_cell_that_never_ends_is_stopped(stage, kernel, monkeypatch):
     monkeypatch.setattr(execute, "LONGEST", 1)

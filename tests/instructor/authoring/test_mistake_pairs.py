@@ -137,6 +137,13 @@ def test_two_pairs_with_the_same_answers_are_left_out():
     assert said(exercise, lambda x, gain, offset: np.mod(x - offset, 360.0)) == []
 
 
+def test_a_pair_that_is_right_in_a_case_by_rounding_alone_is_left_out():
+    exact = "    exact: scaled = gain * x => scaled = gain * x + 99.0 * (gain != 3.0)\n        It compares exactly.\n"
+    plan = LessonPlan([Exercise(**{**vars(declared()), "mistakes": catalogue(MISTAKES + exact)})])
+    (exercise,) = publish("90_toy", plan, solution()).exercises
+    assert {2, 5} not in [set(pair.mistakes) for pair in exercise.pairs]
+
+
 def test_two_mistakes_that_never_end_together_are_left_out(monkeypatch):
     monkeypatch.setattr("nao_course.instructor.authoring.plans.PAIR_SECONDS", 0.05)
     source = SOURCE.replace(
