@@ -6,6 +6,7 @@ from functools import cache
 import nbformat
 import pytest
 
+from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.exercises.checking import grade_public, read_public
 from nao_course.exercises.earlier import resolved_by
 from nao_course.instructor.authoring import lesson_text
@@ -45,6 +46,23 @@ def reference(name):
 @cache
 def public(name):
     return read_public(name)
+
+
+@cache
+def text(number):
+    """Return the text of the lesson of a number, such as "06"."""
+    return COURSE.text(*COURSE.names([number])).read_text(encoding="utf-8")
+
+
+def own(number):
+    """Return the solutions of the lesson of a number."""
+    return reference(*COURSE.names([number]))
+
+
+def label(picture, green=GREEN, yellow=YELLOW):
+    """Return the labels of a picture by the solution of lesson 01."""
+    white = own("01")["white_threshold"](mean_lightness(picture))
+    return own("01")["color_labels"](picture, green, yellow, white)
 
 
 def public_exercise(name, exercise):

@@ -3,21 +3,13 @@
 import numpy as np
 import pytest
 
-from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.datasets.recorded_labels import RecordedLabels
 from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.geometry import Pose
 from nao_course.lessons.goalposts import labels as two
 from nao_course.lessons.hough_corners import labels as three
 from nao_course.sim import Field, SimulatedNao
-from tests.lessons.every import reference
-
-COLOURS = reference("01_hsl_filtering")
-
-
-def label(picture):
-    white = COLOURS["white_threshold"](mean_lightness(picture))
-    return COLOURS["color_labels"](picture, GREEN, YELLOW, white)
+from tests.lessons.every import label
 
 
 def scene(x=0.6):

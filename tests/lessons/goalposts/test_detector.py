@@ -3,42 +3,20 @@
 import numpy as np
 import pytest
 
-from nao_course.colours import GREEN, YELLOW, mean_lightness
+from nao_course.colours import GREEN, YELLOW
 from nao_course.datasets import read_pictures
-from nao_course.exercises import load_definitions
 from nao_course.geometry import Pose
 from nao_course.lessons.goalposts.measuring import Feet, match_feet
 from nao_course.lessons.goalposts.scenes import PostScene, approach, match_scenes, scenes_by_distance
 from nao_course.metrics import total
 from nao_course.sim import Field, SimulatedNao, Truth, standard_scenes
-from tests.paths import PROJECT
+from tests.lessons.every import label, own, text
 
-COLOURS = load_definitions(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
-OWN = load_definitions(PROJECT / "solutions" / "02_goalposts.ipynb")
-
-
-def label(picture, green=GREEN, yellow=YELLOW):
-    return COLOURS["color_labels"](
-        picture, green, yellow, COLOURS["white_threshold"](mean_lightness(picture))
-    )
+OWN = own("02")
 
 
-def find(picture):
-    return OWN["find_goalposts"](label(picture))
-
-
-def on_real(name, folder):
-    matches = []
-    for picture in read_pictures(name, folder):
-        marked = np.array([(p.u, p.v) for p in picture.points if p.kind == "post_foot"]).reshape(-1, 2)
-        matches.append(
-            match_feet(find(picture.pixels), Feet(marked, np.full(len(marked), np.nan), np.zeros((0, 2))))
-        )
-    return total(matches)
-
-
-def test_the_limits_are_those_of_the_lesson():
-    assert f"GREEN, YELLOW = {GREEN}, {YELLOW}" in (PROJECT / "solutions" / "02_goalposts.md").read_text()
+def find(picture, *limits):
+    return OWN["find_goalposts"](label(picture, *limits))
 
 
 def test_what_is_found_is_the_posts_front_about_four_centimetres_before_its_middle():
@@ -50,14 +28,19 @@ def test_what_is_found_is_the_posts_front_about_four_centimetres_before_its_midd
         assert 0.02 <= far - near <= 0.06
 
 
-def test_on_the_64_real_scenes_36_of_39_feet_are_found_and_at_most_one_is_false(data_dir):
-    match = on_real("scenes", data_dir)
-    assert len(match.found) == 39 and match.found.sum() >= 36 and match.false <= 1
-
-
-def test_on_the_real_walk_every_foot_is_found(data_dir):
-    match = on_real("straightwalk", data_dir)
-    assert len(match.found) == 47 and match.found.all() and match.false == 0
+@pytest.mark.parametrize(
+    ("name", "feet", "found", "false"), [("scenes", 39, 36, 1), ("straightwalk", 47, 47, 0)]
+)
+def test_on_real_pictures_nearly_all_feet_are_found_and_at_most_one_point_is_false(
+    data_dir, name, feet, found, false
+):
+    matches = []
+    for picture in read_pictures(name, data_dir):
+        marked = np.array([(p.u, p.v) for p in picture.points if p.kind == "post_foot"]).reshape(-1, 2)
+        there = Feet(marked, np.full(len(marked), np.nan), np.zeros((0, 2)))
+        matches.append(match_feet(find(picture.pixels), there))
+    match = total(matches)
+    assert len(match.found) == feet and match.found.sum() >= found and match.false <= false
 
 
 @pytest.mark.slow
@@ -67,13 +50,16 @@ def test_on_the_reporting_set_95_percent_of_the_feet_are_found():
     assert match.recall >= 0.95 and match.precision >= 0.95
 
 
-def test_a_mirrored_picture_has_mirrored_feet(rng):
+def test_a_mirrored_picture_has_mirrored_feet_and_one_of_a_single_label_has_none(rng):
     labels = rng.choice(4, (48, 64), p=[0.1, 0.6, 0.2, 0.1]).astype(np.uint8)
     labels[:30, [10, 11, 12, 50, 51]] = 2
     labels[30:] = 1
     feet, mirrored = (OWN["find_goalposts"](each) for each in (labels, labels[:, ::-1]))
     assert len(feet) == 2
     assert np.allclose(np.sort(feet[:, 0]), np.sort(63 - mirrored[:, 0]))
+    for kind in range(4):
+        for shape in ((1, 1), (3, 40), (48, 64)):
+            assert OWN["find_goalposts"](np.full(shape, kind, dtype=np.uint8)).shape == (0, 2)
 
 
 def test_clusters_are_the_same_in_any_order_and_moved_points_move_them(rng):
@@ -87,15 +73,9 @@ def test_clusters_are_the_same_in_any_order_and_moved_points_move_them(rng):
     assert np.allclose(clusters(points) + (5, -7), clusters(points + (5, -7)))
 
 
-@pytest.mark.parametrize("label", range(4))
-@pytest.mark.parametrize("shape", [(1, 1), (3, 40), (48, 64)])
-def test_pictures_of_one_label_have_no_posts(label, shape):
-    found = OWN["find_goalposts"](np.full(shape, label, dtype=np.uint8))
-    assert found.shape == (0, 2)
-
-
 def test_one_candidate_of_the_lessons_scene_is_on_the_side_of_its_post():
     """It is the tenth at the right post, and it joins the cluster at the foot from 13 pixels on."""
+    assert f"GREEN, YELLOW = {GREEN}, {YELLOW}" in text("02")
     nao = SimulatedNao(Field(2012), Pose(0.6, 0.5, -0.25), rng=41)
     picture = nao.take_picture("bottom")
     scene = PostScene.of(picture.pixels, Truth(nao).picture, Field(2012))
@@ -107,12 +87,9 @@ def test_one_candidate_of_the_lessons_scene_is_on_the_side_of_its_post():
 
 
 @pytest.mark.slow
-def test_with_the_limits_of_lesson_01_ten_feet_of_65_are_found():
-    scenes = scenes_by_distance()
-
-    def count(green, yellow):
-        match = total(match_scenes(lambda each: OWN["find_goalposts"](label(each, green, yellow)), scenes))
-        return match.hits, len(match.found), match.false
-
-    assert count(GREEN, YELLOW) == (62, 65, 3)
-    assert count((109.0, 144.0), (58.0, 62.0)) == (10, 65, 1)
+@pytest.mark.parametrize(
+    ("limits", "counts"), [((GREEN, YELLOW), (62, 3)), (((109.0, 144.0), (58.0, 62.0)), (10, 1))]
+)
+def test_with_the_limits_of_lesson_01_ten_feet_of_65_are_found(limits, counts):
+    match = total(match_scenes(lambda picture: find(picture, *limits), scenes_by_distance()))
+    assert (match.hits, match.false) == counts and len(match.found) == 65

@@ -24,7 +24,7 @@ MATCHES = [
 def test_feet_are_named_by_picture():
     drawing = draw_feet({"left": BLACK, "right": BLACK}, [[(3, 4)], np.zeros((0, 2))])
     assert drawing.alt.endswith("left: 1 foot at (3, 4); right: 0 feet.") and drawing.photo
-    with pytest.raises(ValueError, match="2 pictures need as many sets"):
+    with pytest.raises(ValueError, match="2 pictures need as many"):
         draw_feet({"left": BLACK, "right": BLACK}, [[(3, 4)]])
 
 
@@ -38,20 +38,16 @@ def test_a_column_says_its_foot_its_green_and_its_run():
 
 def test_the_height_says_where_it_meets_its_limits():
     line = np.linspace(1, 8, 701)
-    drawing = draw_heights([2.0], [110], (line, 240 / line), {"a fifth": 48, "a tenth": 40})
-    assert drawing.alt.endswith("to 8.0 m. Equation 2.1 meets a fifth at 5.0 m, meets a tenth at 6.0 m.")
-    drawing = draw_heights([2.0], [110], (line, 240 / line), {"a fifth": 48, "a tenth": 24})
-    assert drawing.alt.endswith("Equation 2.1 meets a fifth at 5.0 m, stays above a tenth.")
+    for tenth, said in ((40, "meets a tenth at 6.0 m."), (24, "stays above a tenth.")):
+        drawing = draw_heights([2.0], [110], (line, 240 / line), {"a fifth": 48, "a tenth": tenth})
+        assert drawing.alt.endswith(f"to 8.0 m. Equation 2.1 meets a fifth at 5.0 m, {said}")
 
 
-def test_recall_counts_feet_and_precision_points_by_distance():
+def test_recall_counts_feet_and_precision_points_by_distance_and_a_table_their_sum():
     assert recall_counts(MATCHES) == {0: (1, 1), 1: (1, 2)}
     assert precision_counts(MATCHES) == {0: (1, 2), 1: (1, 1)}
     assert recall_counts(MATCHES, width=2.0) == {0: (2, 3)}
     at_the_edge = [FootMatch(np.array([True]), 0, np.array([6.0000000004]))]
     assert recall_counts(at_the_edge) == precision_counts(at_the_edge) == {5: (1, 1)}
-
-
-def test_the_table_has_a_row_for_each_set_and_detector_with_its_interval():
     (row,) = score_table({"forty": {"yours": MATCHES}}).rows
     assert row == ("forty", "yours", "2 of 3", "21% to 94%", "3")

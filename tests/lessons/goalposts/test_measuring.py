@@ -1,21 +1,33 @@
-"""Goal feet in a picture: which can be found, which are excused, and what of them was found."""
+"""Goal feet in a picture: which can be found, which are excused, and what was found of them; the score of lesson 02."""
 
 import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
+from nao_course.lessons.goalposts.challenge import judge
 from nao_course.lessons.goalposts.measuring import Feet, match_feet
-from nao_course.lessons.goalposts.scenes import FIELD, picture_from
+from nao_course.lessons.goalposts.scenes import FIELD, PostScene, picture_from
 from nao_course.metrics import total
-from nao_course.sim import Reality
+from nao_course.sim import NAO_V4, Reality
+
+FEET = Feet(np.array([[50.0, 90.0], [200.0, 80.0]]), np.array([2.0, 2.5]), np.array([[-5.0, 70.0]]))
+BLACK = np.zeros((240, 320), dtype=np.uint8)
 
 
 def test_feet_are_matched_as_points_and_keep_their_distances():
-    feet = Feet(np.array([[100.0, 100.0], [40.0, 40.0]]), np.array([1.0, 2.0]), np.array([[-3.0, 50.0]]))
-    match = match_feet([(-2, 50), (100, 100)], feet)
+    match = match_feet([(-5, 70), (50, 90)], FEET)
     assert match.found.tolist() == [True, False] and match.false == 0
     assert str(total([match, match])) == "2 of 4 feet found, 0 false"
-    assert total([match, match]).distances.tolist() == [1.0, 2.0, 1.0, 2.0]
+    assert total([match, match]).distances.tolist() == [2.0, 2.5, 2.0, 2.5]
+
+
+def test_a_missed_foot_and_a_false_point_cost_and_nothing_scores_nothing():
+    scene = PostScene(np.dstack([BLACK] * 3), BLACK, FEET, NAO_V4.view("bottom"))
+    assert judge(FEET.pixels, scene).score == judge([(50, 90), (200, 80)], scene).score == 1.0
+    assert judge(np.zeros((0, 2)), scene).score == 0.0
+    scored = judge([(50, 90), (120, 30), (130, 30), (-5, 70)], scene)
+    assert scored.score == pytest.approx(2 * 1 / (2 + 3))
+    assert scored.columns == {"feet missed": 1.0, "false points": 2.0}
 
 
 def test_a_pictures_feet_are_its_true_posts_and_the_others_of_the_field_are_excused():

@@ -12,12 +12,8 @@ LABELS = np.zeros((24, 32), dtype=np.uint8)
 
 
 def scene(foot):
-    return PostScene(
-        np.full((24, 32, 3), 90, dtype=np.uint8),
-        LABELS,
-        Feet(np.array([foot], dtype=float), np.array([1.0]), np.zeros((0, 2))),
-        NAO_V4.view("bottom"),
-    )
+    feet = Feet(np.array([foot], dtype=float), np.array([1.0]), np.zeros((0, 2)))
+    return PostScene(np.full((24, 32, 3), 90, dtype=np.uint8), LABELS, feet, NAO_V4.view("bottom"))
 
 
 SCENES = {"a": scene((5, 6)), "b": scene((30, 20))}
@@ -41,11 +37,13 @@ def test_every_slider_reaches_its_function():
     assert got[-2:] == [(3, 7, 0.25), 31]
 
 
-def test_it_says_what_was_found_in_the_chosen_scene():
+def test_it_says_what_was_found_in_the_chosen_scene_and_that_more_green_than_pixels_cannot_be():
     shown = panel()
     assert "2 candidates in 1 cluster: 1 of 1 feet found, 0 false." in shown.summary()
     shown.set(scene="b")
     assert "0 of 1 feet found, 1 false." in shown.summary()
+    shown.set(min_green=20, look_down=10)
+    assert "No column can pass, because 20 green pixels are required and only 10" in shown.summary()
 
 
 def test_the_true_foot_is_shown_once_feet_are_found():
@@ -56,15 +54,6 @@ def test_the_true_foot_is_shown_once_feet_are_found():
         raise NotImplementedError
 
     assert dark(panel()) and not dark(panel(cluster=blank))
-
-
-def test_more_green_than_pixels_is_named():
-    shown = panel()
-    shown.set(min_green=20, look_down=10)
-    assert (
-        "No column can pass, because 20 green pixels are required and only 10 pixels are tested."
-        in shown.summary()
-    )
 
 
 def test_marks_lie_at_their_pixels_on_a_copy():

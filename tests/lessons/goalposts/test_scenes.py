@@ -14,7 +14,7 @@ from nao_course.lessons.goalposts.scenes import (
     robot_before,
     scenes_by_distance,
 )
-from nao_course.sim import NAO_V4, CameraView, Reality
+from nao_course.sim import NAO_V4, CameraView, Reality, render
 
 
 def test_pictures_by_distance_are_the_same_each_time_and_reach_from_near_to_far():
@@ -24,17 +24,13 @@ def test_pictures_by_distance_are_the_same_each_time_and_reach_from_near_to_far(
     assert distances.max() > 5.0 and distances.min() > 0.5
 
 
-def test_a_robot_that_approaches_sees_the_foot_sink_until_it_is_gone():
+def test_a_robot_that_approaches_sees_the_foot_sink_until_it_leaves_the_picture_where_the_lesson_says():
     rows = [each.nearest[1] if len(each.feet.pixels) else np.inf for each in approach([2.0, 1.2, 0.7, 0.6])]
     assert rows == sorted(rows) and rows[2] < 240 and rows[3] == np.inf
     assert [each.feet.distances.min() for each in approach([2.0, 1.2])] == pytest.approx([2.0, 1.2])
-
-
-def test_the_foot_leaves_the_picture_where_the_lesson_says():
     view = NAO_V4.view("bottom", 0.0, HEAD_PITCH)
     assert np.degrees(view.pitch + view.vfov / 2) == pytest.approx(38.6, abs=0.1)
-    seen = [len(each.feet.pixels) for each in approach([0.66, 0.62])]
-    assert seen == [1, 0]
+    assert [len(each.feet.pixels) for each in approach([0.66, 0.62])] == [1, 0]
 
 
 @pytest.mark.asserts("eq-2-1")
@@ -43,14 +39,8 @@ def test_a_posts_height_is_the_difference_of_foot_and_top_as_the_camera_projects
         view = CameraView((320, 240), 1.0, 0.8, height=height, pitch=pitch)
         (_, foot), (_, top) = view.project([(distance, 0.0, 0.0), (distance, 0.0, 0.8)])
         assert post_height(distance, view, 0.8) == pytest.approx(foot - top)
-
-
-def test_a_level_camera_sees_f_h_over_d():
-    view = CameraView((320, 240), 1.0, 0.8, height=0.5, pitch=0.0)
+    view = CameraView((320, 240), 1.0, 0.8, height=0.5, pitch=0.0)  # a level camera sees f h / d
     assert post_height([1.0, 4.0], view, 0.8) == pytest.approx(view.focal[1] * 0.8 / np.array([1.0, 4.0]))
-
-
-def test_the_formula_counts_the_pixels_of_rendered_posts():
     for scene in approach([3.0, 5.0]):
         distance = scene.feet.distances.min() - scene.view.offset[0]
         assert scene.post_pixels() == pytest.approx(post_height(distance, scene.view), rel=0.06)
@@ -65,14 +55,7 @@ def test_a_robot_before_a_post_hides_its_foot_and_leaves_the_picture_as_it_was()
 
 
 def test_a_scene_at_another_size_has_eight_pixels_of_its_own():
-    large = PostScene.of(*_render((640, 480)), FIELD)
-    near = large.feet.pixels + (0.0, 15.0)
-    assert large.match(near).found.all()
+    view = NAO_V4.view("bottom", 0.0, HEAD_PITCH, (640, 480))
+    large = PostScene.of(*render(FIELD, Pose(0.4, 0.2, 0.0), view, Reality.clean()), FIELD)
+    assert large.match(large.feet.pixels + (0.0, 15.0)).found.all()
     assert not large.match(large.feet.pixels + (0.0, 17.0)).found.any()
-
-
-def _render(size):
-    from nao_course.sim import render
-
-    view = NAO_V4.view("bottom", 0.0, HEAD_PITCH, size)
-    return render(FIELD, Pose(0.4, 0.2, 0.0), view, Reality.clean())

@@ -22,59 +22,33 @@ def test_the_same_drawing_is_the_same_bytes_with_its_words(make):
     assert_same_bytes_with_words(make)
 
 
-def test_the_axes_of_a_drift_name_their_units():
+def test_a_drift_names_its_unit_and_is_of_at_least_one_robot():
     assert [ax.get_xlabel() for ax in drift().figure.axes] == ["x (m)"]
-
-
-def test_one_robot_and_no_command_are_enough_for_a_drift():
     assert "1 robot" in draw_drift(np.zeros((1, 1, 3))).alt
+    for paths, said in ((np.zeros((4, 3)), "robots, steps"), (np.zeros((0, 4, 3)), "at least one robot")):
+        with pytest.raises(ValueError, match=said):
+            draw_drift(paths)
 
 
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (lambda: draw_drift(np.zeros((4, 3))), "robots, steps"),
-        (lambda: draw_drift(np.zeros((0, 4, 3))), "at least one robot"),
-    ],
-)
-def test_a_wrong_value_is_refused_in_words(call, said):
-    with pytest.raises(ValueError, match=said):
-        call()
-
-
-def test_commands_lead_where_they_say():
+def test_drift_is_what_the_noise_says_from_where_commands_lead():
+    """One metre ahead, the mean square of the distance is the sum of both variances."""
     assert np.allclose(commanded(SQUARE)[:, :2], [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
-
-
-def test_without_noise_nothing_drifts_and_at_the_start_nothing_has():
     assert np.allclose(measure_drift(SQUARE, 1, OdometryNoise(0, 0, 0, 0)), 0.0)
     assert np.allclose(measure_drift(SQUARE, 1)[:, 0], 0.0)
-
-
-def test_drift_along_and_across_is_what_the_noise_says():
-    """One metre ahead: the mean square of the distance is the sum of both variances."""
     noise = OdometryNoise(along=0.06, across=0.04, turn=0.0, turn_per_turn=0.0)
     measured = measure_drift([Motion(1.0, 0.0)], 1, noise)[:, -1]
     assert np.mean(measured**2) == pytest.approx(0.06**2 + 0.04**2, rel=0.1)
 
 
-def test_straight_ahead_drift_grows_faster_than_on_squares():
-    """What lesson 00 says: four times the distance is twice the drift on squares, almost eight times straight ahead."""
-    on_squares = np.median(measure_drift(SQUARE * 4, 5), axis=0)
-    ahead = np.median(measure_drift(AHEAD, 5), axis=0)
+def test_straight_ahead_drift_grows_faster_than_on_squares_and_heading_errors_make_most_of_it():
+    """As lesson 00 says: four times the distance is twice the drift on squares, almost eight times straight ahead."""
+    on_squares, ahead = (np.median(measure_drift(drive, 5), axis=0) for drive in (SQUARE * 4, AHEAD))
     assert on_squares[16] / on_squares[4] == pytest.approx(2, rel=0.05)
     assert ahead[16] / ahead[4] == pytest.approx(7.85, rel=0.05)
     assert ahead[4] == pytest.approx(0.25, abs=0.01)
-
-
-def test_the_heading_error_alone_makes_most_of_the_drift():
-    """What lesson 00 says: straight ahead it makes the drift eight times as large, and less on squares."""
     without = OdometryNoise(turn=0.0, turn_per_turn=0.0)
-    ahead, squares = (
-        np.median(measure_drift(drive, 5)[:, -1]) / np.median(measure_drift(drive, 5, without)[:, -1])
-        for drive in (AHEAD, SQUARE * 4)
-    )
-    assert ahead == pytest.approx(8, rel=0.05) and squares == pytest.approx(2.5, rel=0.05)
+    for drive, of, times in ((AHEAD, ahead, 8), (SQUARE * 4, on_squares, 2.5)):
+        assert of[-1] / np.median(measure_drift(drive, 5, without)[:, -1]) == pytest.approx(times, rel=0.05)
 
 
 def test_one_degree_of_tilt_moves_a_post_by_a_third_of_a_metre():
