@@ -29,28 +29,28 @@ def class_of(*states, **changed):
     return scores([result(f"s{i}", exercise(state, **changed)) for i, state in enumerate(states)])
 
 
+def text_of(made):
+    return Page(report_page(made)).text
+
+
 def pictures(page):
     return [attributes for tag, attributes in page.elements if tag == "img"]
 
 
-def test_mean_median_and_range_are_those_of_the_scores():
-    made = scores(
-        [result(f"s{i}", exercise(points=10.0, earned=earned)) for i, earned in enumerate((0, 1, 8))]
-    )
-    assert "mean 3, median 1 of 10; from 0 to 8" in Page(report_page(made)).text
+def test_mean_median_and_range_count_what_people_changed_and_marked(tmp_path):
+    def written(journal):
+        return Page(write_report(journal, tmp_path / "r.html").read_text("utf-8")).text
 
-
-def test_what_people_changed_and_marked_counts(tmp_path):
+    three = [result(f"s{i}", exercise(points=10.0, earned=earned)) for i, earned in enumerate((0, 1, 8))]
+    assert "mean 3, median 1 of 10; from 0 to 8" in text_of(scores(three))
     with Journal(tmp_path) as journal:
         journal.keep(result("ada", exercise("wrong"), answer(), level="full"))
         journal.override(Override("ada", LESSON, "rgb_to_hsl", 1.0, "why not"))
-        assert (
-            "1 of 4; from 1 to 1" in Page(write_report(journal, tmp_path / "r.html").read_text("utf-8")).text
-        )
+        assert "1 of 4; from 1 to 1" in written(journal)
         journal.mark([mark(1.5)])
-        page = Page(write_report(journal, tmp_path / "r.html").read_text("utf-8"))
-    assert "mean 2.5, median 2.5 of 4" in page.text and "full (1)" in page.text
-    assert "Written answers to mark 0" in page.text and "50 % of its points were earned" in page.text
+        text = written(journal)
+    assert "mean 2.5, median 2.5 of 4" in text and "full (1)" in text
+    assert "Written answers to mark 0" in text and "50 % of its points were earned" in text
 
 
 def test_times_and_lateness_stand_in_a_table_with_the_late_ones_first():
@@ -64,19 +64,13 @@ def test_times_and_lateness_stand_in_a_table_with_the_late_ones_first():
     assert "Handed in" not in Page(report_page(scores(made[2:]))).text
 
 
-def test_every_state_is_counted_once_and_only_once():
+def test_every_state_is_counted_once_and_shares_of_an_exercise_add_up():
     states = [state for _, _, known in _KINDS.values() for state in known]
     assert sorted(states) == sorted(get_args(State))
-
-
-def test_of_an_exercise_without_points_the_share_is_that_of_right_answers():
-    (only,) = exercises_of(class_of("right", "wrong", "wrong", "raised", points=0.0, earned=0.0))
-    assert only.share == pytest.approx(1 / 4)
-
-
-def test_shares_of_an_exercise_add_up():
     (only,) = exercises_of(class_of("right", "right", "wrong", "raised", "timed out", "not attempted"))
     assert list(only.counts.values()) == [2, 1, 2, 1, 0] and only.share == pytest.approx(1 / 3)
+    (only,) = exercises_of(class_of("right", "wrong", "wrong", "raised", points=0.0, earned=0.0))
+    assert only.share == pytest.approx(1 / 4), "without points it is the share of right answers"
     assert "Bars: share of 1 submission that have" in report_page(class_of("right"))
 
 
@@ -89,11 +83,8 @@ def test_the_hardest_exercises_come_first_and_solved_ones_are_not_named():
 
 
 def test_the_mistakes_of_the_class_are_counted_the_most_frequent_first():
-    made = [
-        *(("hue in degrees", "Your hue is in degrees.") for _ in range(3)),
-        ("sign", "The sign is turned."),
-        ("", "1.1 f: 2 of 3 cases pass."),
-    ]
+    made = [("hue in degrees", "Your hue is in degrees.")] * 3
+    made += [("sign", "The sign is turned."), ("", "1.1 f: 2 of 3 cases pass.")]
     results = [
         result(f"s{i}", exercise("wrong", number="1.1", name="f", mistake=name, hint=hint))
         for i, (name, hint) in enumerate(made)
@@ -103,66 +94,48 @@ def test_the_mistakes_of_the_class_are_counted_the_most_frequent_first():
     page = Page(report_page(scores(results)))
     assert "1.1 f 3 hue in degrees Your hue is in degrees." in page.text and page.offences() == []
     assert "Mistakes that the class made" not in report_page(class_of("right"))
-
-
-def test_of_very_many_mistakes_the_rarest_are_only_counted():
-    made = [
-        result(f"s{i}", exercise("wrong", mistake=f"m{i}", hint=f"h{i}")) for i in range(MOST_MISTAKES + 4)
-    ]
-    assert "and 4 rarer ones" in Page(report_page(scores(made))).text
+    many = [exercise("wrong", mistake=f"m{i}", hint=f"h{i}") for i in range(MOST_MISTAKES + 4)]
+    assert "and 4 rarer ones" in text_of(scores([result(each.mistake, each) for each in many]))
 
 
 def test_refused_submissions_are_listed_with_reasons_and_lower_no_mean():
-    made = [
-        *class_of("right"),
-        score(result("eve", exercise("not found"), status="refused", reason="it is empty")),
-    ]
-    text = Page(report_page(made)).text
+    refused = result("eve", exercise("not found"), status="refused", reason="it is empty")
+    made = [*class_of("right"), score(refused)]
+    text = text_of(made)
     assert "2: 1 graded, 1 refused" in text and "eve it is empty" in text and "mean 2, median 2" in text
     (only,) = exercises_of([each for each in made if each.result.status == "graded"])
     assert sum(only.counts.values()) == 1
 
 
 def test_lessons_stand_one_after_the_other():
-    made = scores([result("ada", exercise(), lesson=name) for name in ("02_posts", LESSON)])
-    text = Page(report_page(made)).text
+    text = text_of(scores([result("ada", exercise(), lesson=name) for name in ("02_posts", LESSON)]))
     assert text.index("Lesson 01") < text.index("Lesson 02") and "1 student, 2 submissions" in text
 
 
-@pytest.mark.parametrize(
-    "made",
-    [
-        [],
-        class_of("right"),
+def test_small_and_odd_classes_have_a_page():
+    odd = [
         class_of("right", points=0.0, earned=0.0),
         [score(result("ada"))],
-        [score(result("ada", status="refused", reason="x"))],
         [score(result("ada", answer()))],
-    ],
-    ids=["nobody", "one", "no points", "no exercises", "all refused", "words only"],
-)
-def test_small_and_odd_classes_have_a_page(made):
-    page = Page(report_page(made))
-    assert page.offences() == [] and "The class's results" in page.text
-    assert ("Nothing has been graded yet." in page.text) == (not made)
+    ]
+    for made in ([], *odd, [score(result("ada", status="refused", reason="x"))]):
+        page = Page(report_page(made))
+        assert page.offences() == [] and "The class's results" in page.text
+        assert ("Nothing has been graded yet." in page.text) == (not made)
 
 
 def test_figures_are_whole_pictures_with_words_and_the_same_each_time():
     made = class_of("right", "wrong", "raised")
-    page = Page(report_page(made))
     assert report_page(made) == report_page(made)
-    assert len(pictures(page)) == 2
-    for each in pictures(page):
+    first, second = shown = pictures(Page(report_page(made)))
+    for each in shown:
         assert len(each["alt"]) > 60
         data = base64.b64decode(each["src"].removeprefix("data:image/svg+xml;base64,"))
         assert ElementTree.fromstring(data).tag.endswith("svg")
         assert b"<script" not in data and b"http-equiv" not in data
-    assert "mean 0.67" in pictures(page)[0]["alt"] and "rgb_to_hsl 33 %" in pictures(page)[1]["alt"]
-
-
-def test_the_bars_of_the_histogram_hold_every_submission():
-    made = scores([result(f"s{i}", exercise(points=3.0, earned=e)) for i, e in enumerate((0, 3, 3, 3, 9))])
-    assert "most submissions, 4, from 2.5 to 3" in pictures(Page(report_page(made)))[0]["alt"]
+    assert "mean 0.67" in first["alt"] and "rgb_to_hsl 33 %" in second["alt"]
+    five = [result(f"s{i}", exercise(points=3.0, earned=e)) for i, e in enumerate((0, 3, 3, 3, 9))]
+    assert "most submissions, 4, from 2.5 to 3" in pictures(Page(report_page(scores(five))))[0]["alt"]
 
 
 # Four examples are enough, because figures are slow.

@@ -60,15 +60,12 @@ def pages(journal):
     return {each.result.student: Page(feedback_page(each)).text for each in all_scores(journal)}
 
 
-def test_wrong_answers_of_one_kind_stand_together_the_most_frequent_first():
+def test_wrong_answers_of_one_kind_stand_together_and_the_page_shows_each_students_code(journal):
     found = wrong_answers([result(student, each) for student, each in CLASS.items()])
-    assert {kind[2]: [each.student for each, _ in answers] for kind, answers in found.items()} == {
-        "mistake: half degrees": ["ada", "ben"],
-        "raised: IndexError: out of range": ["eve"],
-    }
-
-
-def test_the_page_shows_each_students_code(journal):
+    assert [(kind[2], [each.student for each, _ in answers]) for kind, answers in found.items()] == [
+        ("mistake: half degrees", ["ada", "ben"]),
+        ("raised: IndexError: out of range", ["eve"]),
+    ]
     path, kinds, answers = write(journal)
     assert (kinds, answers) == (2, 3)
     text = Page(path.with_suffix(".html").read_text("utf-8")).text
@@ -94,34 +91,29 @@ def test_what_was_read_in_stands_in_the_next_table_and_can_be_taken_back(journal
 
 
 def test_a_comment_leaves_the_pages_when_the_check_says_something_else(journal):
+    def commented():
+        return {student for student, text in pages(journal).items() if "Look at the hue." in text}
+
     path, _, _ = write(journal)
     read_comments(journal, fill_in(path, "Look at the hue.", ""))
     for student in ("ada", "ben"):
         journal.keep(result(student, replace(CLASS["ada"], hint="Half as much.")))
-    assert not [student for student, text in pages(journal).items() if "Look at the hue." in text]
+    assert not commented()
     path, _, _ = write(journal)
-    assert rows_of(path)[0]["comment"] == "" and "Look at the hue." in path.with_suffix(".html").read_text(
-        "utf-8"
-    )
+    assert rows_of(path)[0]["comment"] == ""
+    assert "Look at the hue." in path.with_suffix(".html").read_text("utf-8")
     read_comments(journal, fill_in(path, "Look at the hue.", ""))
-    assert "Look at the hue." in pages(journal)["ben"]
+    assert commented() == {"ada", "ben"}
 
 
-def test_a_table_is_not_overwritten_before_its_comments_are_read(journal):
+def test_unread_comments_are_not_overwritten_and_a_row_of_no_known_kind_is_named(journal):
     path, _, _ = write(journal)
     fill_in(path, "Look at the hue.", "")
     with pytest.raises(CommentsError, match="row 2, has a comment that was not read in"):
         write(journal)
     assert rows_of(path)[0]["comment"] == "Look at the hue."
-
-
-def test_a_row_of_no_known_kind_is_named_and_nothing_is_read_in(journal):
-    path, _, _ = write(journal)
-    text = path.read_text("utf-8-sig").replace("half degrees", "half turns")
-    path.write_text(text.replace(",2,", ",2,Look."), "utf-8")
-    with pytest.raises(
-        CommentsError, match="nothing was read in\nrow 2: 'rgb_to_hsl'.*no wrong answer of this kind"
-    ):
+    path.write_text(path.read_text("utf-8-sig").replace("half degrees", "half turns"), "utf-8")
+    with pytest.raises(CommentsError, match="nothing was read in\nrow 2: 'rgb_to_hsl'.*no wrong answer of"):
         read_comments(journal, path)
     assert journal.comments() == {}
 

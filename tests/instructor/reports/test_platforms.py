@@ -77,29 +77,18 @@ def test_canvas_gets_the_column_that_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("platform", "text", "column", "said"),
     [
-        (
-            "moodle",
-            "a,b\n1,2\n",
-            "",
-            "'Identifier', 'Grade', 'Maximum Grade' .English.*'Bestwertung' .German",
-        ),
+        ("moodle", "a,b\n1,2\n", "", "'Identifier', 'Grade', 'Maximum Grade' .English.*German"),
         ("canvas", MOODLE, "Grade", "not Canvas's exported gradebook"),
         ("canvas", CANVAS, "", "--column 'Lesson 01 .4711.'"),
         ("canvas", CANVAS, "Lesson", "2 columns that begin with 'Lesson'"),
         ("canvas", CANVAS, "Essay", "no columns that begin with 'Essay'"),
         ("moodle", MOODLE + MOODLE.splitlines()[1], "", "rows 2 and 5: both have the number 1234567"),
-        (
-            "canvas",
-            CANVAS + CANVAS.splitlines()[2],
-            "Lesson 02",
-            "rows 3 and 6: both have the number 1234567",
-        ),
+        ("canvas", CANVAS + CANVAS.splitlines()[2], "Lesson 02", "rows 3 and 6: both have the number"),
         ("moodle", MOODLE.replace("Email address", "identifier"), "", "'identifier' are there twice"),
         ("moodle", MOODLE.replace("Email address", "Maximum Grade"), "", "'maximum grade' are there twice"),
         ("moodle", MOODLE.replace("Email address", "Grade"), "", "2 columns that begin with 'Grade'"),
         ("moodle", "", "", "is empty"),
         ("moodle", 'Identifier,Grade\n"open,1\n', "", "is not a CSV table"),
-        ("moodle", "Identifier,Grade\n" + "x" * 200_000 + ",1\n", "", "is not a CSV table"),
         ("moodle", "x" * 200_000, "", "is not a CSV table"),
     ],
 )
@@ -108,28 +97,16 @@ def test_what_is_no_sheet_of_theirs_is_refused(tmp_path, platform, text, column,
         fill_sheet(platform, sheet(tmp_path, text), MADE, column)
 
 
-@pytest.mark.parametrize(
-    ("platform", "text", "column", "both"),
-    [
-        (
-            "moodle",
-            MOODLE.replace("2.00", "100.00"),
-            "",
-            "in Moodle is 100 points, and 01_hsl_filtering is worth 2",
-        ),
-        ("canvas", CANVAS, "Lesson 01", "in Canvas is 13 points, and 01_hsl_filtering is worth 2"),
-    ],
-)
-def test_another_maximum_is_refused_and_both_are_named(tmp_path, platform, text, column, both):
-    with pytest.raises(TableError, match=f"{both}.*--scale"):
-        fill_sheet(platform, sheet(tmp_path, text), MADE, column)
-
-
-def test_points_are_scaled_to_another_maximum_on_demand(tmp_path):
-    hundred = fill_sheet("moodle", sheet(tmp_path, MOODLE.replace("2.00", "100.00")), MADE, scale=True)
+def test_another_maximum_is_refused_and_both_are_named_unless_points_are_to_be_scaled(tmp_path):
+    moodle, canvas = MOODLE.replace("2.00", "100.00"), (CANVAS, MADE, "Lesson 01")
+    with pytest.raises(TableError, match="in Moodle is 100 points, and 01_hsl_filtering is worth 2.*--scale"):
+        fill_sheet("moodle", sheet(tmp_path, moodle), MADE)
+    hundred = fill_sheet("moodle", sheet(tmp_path, moodle), MADE, scale=True)
     assert [row[4] for row in rows(hundred.table)] == ["Grade", "75", "100", ""]
-    canvas = fill_sheet("canvas", sheet(tmp_path, CANVAS), MADE, "Lesson 01", scale=True)
-    assert [row[5] for row in rows(canvas.table)] == ["Lesson 01 (4711)", "13.00", "9.75", "", "13"]
+    with pytest.raises(TableError, match="in Canvas is 13 points, and 01_hsl_filtering is worth 2.*--scale"):
+        fill_sheet("canvas", sheet(tmp_path, canvas[0]), *canvas[1:])
+    thirteen = fill_sheet("canvas", sheet(tmp_path, canvas[0]), *canvas[1:], scale=True)
+    assert [row[5] for row in rows(thirteen.table)] == ["Lesson 01 (4711)", "13.00", "9.75", "", "13"]
     same = fill_sheet("moodle", sheet(tmp_path, MOODLE), MADE)
     assert fill_sheet("moodle", sheet(tmp_path, MOODLE), MADE, scale=True) == same
 
@@ -149,12 +126,11 @@ def test_the_lessons_worth_includes_its_questions_also_where_some_submissions_ha
         ("canvas", CANVAS.replace("Points Possible", "?"), "has no row 'Points Possible'"),
     ],
 )
-@pytest.mark.parametrize("scale", [False, True])
-def test_a_sheet_without_a_maximum_is_refused(tmp_path, platform, text, said, scale):
-    with pytest.raises(TableError, match=said):
-        fill_sheet(
-            platform, sheet(tmp_path, text), MADE, "Lesson 01" if platform == "canvas" else "", scale=scale
-        )
+def test_a_sheet_without_a_maximum_is_refused(tmp_path, platform, text, said):
+    column = "Lesson 01" if platform == "canvas" else ""
+    for scale in (False, True):
+        with pytest.raises(TableError, match=said):
+            fill_sheet(platform, sheet(tmp_path, text), MADE, column, scale=scale)
 
 
 GERMAN = (
@@ -164,23 +140,21 @@ GERMAN = (
 )
 
 
-def test_a_german_worksheet_gets_grades_with_decimal_commas(tmp_path):
+def test_a_german_worksheet_gets_grades_with_decimal_commas_and_an_unknown_language_is_refused(tmp_path):
     filled = fill_sheet("moodle", sheet(tmp_path, GERMAN), MADE)
     assert [row[4] for row in rows(filled.table)] == ["Bewertung", "1,5", "2"]
-    with pytest.raises(TableError, match="is 100 points"):
-        fill_sheet("moodle", sheet(tmp_path, GERMAN.replace("2,00", "100,00")), MADE)
+    for old, new, said in (
+        ("2,00", "100,00", "is 100 points"),
+        ("Bestwertung", "Legmagasabb pont", "Legmagasabb pont.*'Bestwertung' .German"),
+    ):
+        with pytest.raises(TableError, match=said):
+            fill_sheet("moodle", sheet(tmp_path, GERMAN.replace(old, new)), MADE)
 
 
 @pytest.mark.parametrize("columns", MOODLES_COLUMNS.values(), ids=MOODLES_COLUMNS)
 def test_a_worksheet_in_each_known_language_is_filled_in(tmp_path, columns):
     filled = fill_sheet("moodle", sheet(tmp_path, ",".join(columns) + "\nTN 1234567,,2\n"), MADE)
     assert rows(filled.table)[1] == ["TN 1234567", "1.5", "2"]
-
-
-def test_a_worksheet_in_another_language_is_refused_with_what_was_looked_for(tmp_path):
-    text = GERMAN.replace("Bestwertung", "Legmagasabb pont")
-    with pytest.raises(TableError, match="Legmagasabb pont.*'Bestwertung' .German"):
-        fill_sheet("moodle", sheet(tmp_path, text), MADE)
 
 
 PAGES = [
@@ -190,22 +164,14 @@ PAGES = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("platform", "files", "without"),
-    [
-        (
-            "moodle",
-            {
-                "Ada Lovelace_1234567_assignsubmission_file_/feedback.html": b"<p>good</p>",
-                "eve_123456_assignsubmission_file_/feedback.html": b"x",
-            },
-            ("ben",),
-        ),
+def test_feedback_has_the_names_that_a_platform_gave():
+    moodle = "{}_assignsubmission_file_/feedback.html"
+    names = (moodle.format("Ada Lovelace_1234567"), moodle.format("eve_123456"))
+    for platform, files, without in (
+        ("moodle", dict(zip(names, (b"<p>good</p>", b"x"), strict=True)), ("ben",)),
         ("canvas", {"eve_LATE_123456_789_hw.html": b"x"}, ("Ada Lovelace_1234567", "ben")),
-    ],
-)
-def test_feedback_has_the_names_that_a_platform_gave(platform, files, without):
-    archive, left_out = feedback_zip(platform, PAGES)
-    with zipfile.ZipFile(io.BytesIO(archive)) as made:
-        assert {name: made.read(name) for name in made.namelist()} == files
-    assert left_out == without and feedback_zip(platform, PAGES)[0] == archive
+    ):
+        archive, left_out = feedback_zip(platform, PAGES)
+        with zipfile.ZipFile(io.BytesIO(archive)) as made:
+            assert {name: made.read(name) for name in made.namelist()} == files
+        assert left_out == without and feedback_zip(platform, PAGES)[0] == archive
