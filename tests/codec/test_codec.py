@@ -84,27 +84,23 @@ def frame(header, body=b""):
 @example(-0.0)
 @example("\u2028 é 🤖 \0")
 @example(2**53 + 1)
-def test_a_value_comes_back_as_it_was(value):
+def test_a_value_comes_back_as_it_was_and_has_the_same_bytes(value):
     assert same(value, decode(encode(value)))
-
-
-@given(values)
-def test_the_same_value_has_the_same_bytes(value):
     assert encode(value) == encode(decode(encode(value)))
 
 
-def test_registered_dataclasses_and_generators_travel():
+def test_dataclasses_generators_numbers_and_views_travel():
     rng = np.random.default_rng(5)
     pair = decode(encode(Pair(np.arange(3), (rng, None))))
     assert isinstance(pair, Pair)
     assert pair.second[0].random() == rng.random()
-
-
-def test_numpy_numbers_keep_their_type():
     for number in (np.float32(0.1), np.int8(-3), np.bool_(True)):
         back = decode(encode(number))
         assert type(back) is type(number)
         assert back == number
+    array = np.arange(12).reshape(3, 4)
+    for view in (array.T, array[::-1, ::2], np.broadcast_to(array[0], (5, 4))):
+        np.testing.assert_array_equal(decode(encode(view)), view)
 
 
 def test_long_doubles_come_back_as_doubles():
@@ -114,12 +110,6 @@ def test_long_doubles_come_back_as_doubles():
             assert back.dtype in ("f8", "c16")
             assert np.all(back == value)
     assert peak(lambda: encode(np.broadcast_to(np.longdouble(1), (10**6, 10**6)))) < 10**6
-
-
-def test_a_view_comes_back_in_its_own_order():
-    array = np.arange(12).reshape(3, 4)
-    for view in (array.T, array[::-1, ::2], np.broadcast_to(array[0], (5, 4))):
-        np.testing.assert_array_equal(decode(encode(view)), view)
 
 
 class Pretends:
@@ -195,22 +185,19 @@ def test_what_is_not_plain_cannot_be_sent(value):
             encode(wrapped)
 
 
-def test_a_type_is_named_when_it_cannot_be_sent():
+def test_a_type_is_named_when_it_cannot_be_sent_and_an_endless_value_ends():
     with pytest.raises(CodecError, match="type function"):
         encode((1, lambda: 1))
-
-
-def test_an_endless_value_ends():
     endless = []
     endless.append(endless)
     with pytest.raises(CodecError, match="deeper"):
         encode(endless)
 
 
-def peak(action):
+def peak(action, error=CodecError):
     tracemalloc.start()
     try:
-        with pytest.raises(CodecError):
+        with pytest.raises(error) if error else contextlib.nullcontext():
             action()
         return tracemalloc.get_traced_memory()[1]
     finally:
@@ -289,12 +276,6 @@ def test_a_truncated_or_longer_frame_is_refused():
         decode(SAMPLE + b"x")
 
 
-@given(st.binary(max_size=200), st.binary(max_size=50))
-def test_noise_in_a_frame_gives_a_value_or_a_refusal(header, body):
-    with contextlib.suppress(CodecError):
-        decode(frame(header, body))
-
-
 @pytest.mark.parametrize(
     "data",
     [
@@ -310,8 +291,6 @@ def test_a_frame_takes_memory_as_it_is_long(data):
 def test_a_header_that_is_too_long_is_not_read():
     data = frame('{"s":"' + "x" * 10**6 + '"}')
     assert peak(lambda: decode(data, Limits(header=10**5))) < 10**5
-    with pytest.raises(CodecError):
-        encode("x" * 10**6, Limits(header=10**5))
 
 
 def test_two_classes_of_one_name_cannot_be_registered():
@@ -324,7 +303,7 @@ def test_two_classes_of_one_name_cannot_be_registered():
     assert register(Pair) is Pair
 
 
-def test_only_a_trusted_frame_has_modules_imported():
+def test_only_a_trusted_frame_has_modules_imported_and_only_the_courses():
     code = (
         "import sys; from nao_course.codec import decode, CodecError\n"
         "data = sys.stdin.buffer.read()\n"
@@ -336,9 +315,6 @@ def test_only_a_trusted_frame_has_modules_imported():
     data = frame('{"o":"nao_course.sim.light:Nothing","v":{}}')
     run = subprocess.run([sys.executable, "-c", code], input=data, capture_output=True, check=True)
     assert run.stdout.split() == [b"refused", b"False", b"refused", b"True"]
-
-
-def test_not_even_a_trusted_frame_has_other_packages_imported():
     with pytest.raises(CodecError, match="unknown type"):
         decode(frame('{"o":"this:Nothing","v":{}}'), trusted=True)
     assert "this" not in sys.modules
@@ -348,8 +324,6 @@ def test_a_boolean_that_is_neither_true_nor_false_becomes_true():
     back = decode(frame('{"a":"|b1","shape":[3],"b":3}', b"\0\1\2"))
     assert back.tobytes() == b"\0\1\1"
 
-
-# --- fuzz: frames of the codec's own words in any order, and true frames that were cut up ---
 
 NUMBERS = (
     st.sampled_from([0, 1, 2, 8, -1, 2**31, 2**62, 2**63 - 1, 2**63, 2**64, 10**150, 10**155]) | st.integers()
@@ -470,45 +444,39 @@ def test_announced_lengths_are_believed_only_where_they_are_true(header, body, r
 SMALL = Limits(size=2**20, header=2**18, nodes=5000)
 EMPTY = ",".join(f'{{"a":"{kind}","shape":[0],"b":0}}' for kind in ("<f8", "<i4", "<i4"))
 HOSTILE = {
-    "empty lists": ("[]", ","),
-    "empty dicts": ("{}", ","),
-    "dicts of one": ('{"":0}', ","),
-    "lists of one": ('{"l":[{"l":[]}]}', ","),
-    "empty arrays": ('{"a":"<f8","shape":[0],"b":0}', ","),
-    "arrays of no rows": ('{"a":"<f8","shape":[0,1099511627776],"b":0}', ","),
-    "texts": ('{"s":"' + "x" * 40 + '"}', ","),
-    "long numbers": ("1" * 4300, ","),
-    "long hexadecimal numbers": ('{"i":"0x' + "f" * 10_000 + '"}', ","),
-    "floats": ('{"f":"0x1p1"}', ","),
-    "generators": ('{"g":{"d":{"bit_generator":{"s":"PCG64"}}}}', ","),
-    "maps": ('{"m":[[1,2]]}', ","),
-    "complex numbers": ('{"c":["0x1p1","0x1p1"]}', ","),
-    "sparse matrices": ('{"q":"coo_array","shape":[1000000,1000000],"parts":[' + EMPTY + "]}", ","),
-    "types": (f'{{"o":"{__name__}:Pair","v":{{"first":1,"second":1}}}}', ","),
+    "empty lists": "[]",
+    "empty dicts": "{}",
+    "dicts of one": '{"":0}',
+    "lists of one": '{"l":[{"l":[]}]}',
+    "empty arrays": '{"a":"<f8","shape":[0],"b":0}',
+    "arrays of no rows": '{"a":"<f8","shape":[0,1099511627776],"b":0}',
+    "texts": '{"s":"' + "x" * 40 + '"}',
+    "long numbers": "1" * 4300,
+    "long hexadecimal numbers": '{"i":"0x' + "f" * 10_000 + '"}',
+    "floats": '{"f":"0x1p1"}',
+    "generators": '{"g":{"d":{"bit_generator":{"s":"PCG64"}}}}',
+    "maps": '{"m":[[1,2]]}',
+    "complex numbers": '{"c":["0x1p1","0x1p1"]}',
+    "sparse matrices": '{"q":"coo_array","shape":[1000000,1000000],"parts":[' + EMPTY + "]}",
+    "types": f'{{"o":"{__name__}:Pair","v":{{"first":1,"second":1}}}}',
 }
 
 
-def filled(each, between, length):
+def filled(each, length):
     """A header of about some length that holds one thing over and over."""
-    return frame('{"l":[' + between.join([each] * (length // len(each + between) - 2)) + "]}")
+    return frame('{"l":[' + ",".join([each] * (length // (len(each) + 1) - 2)) + "]}")
 
 
 @pytest.mark.parametrize("kind", HOSTILE)
 def test_a_full_frame_takes_memory_by_the_limits_only(kind):
-    data = filled(*HOSTILE[kind], SMALL.header)
-    tracemalloc.start()
-    try:
-        lawful(data, SMALL)
-        most = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    assert most < 40 * SMALL.header + 1500 * SMALL.nodes
+    data = filled(HOSTILE[kind], SMALL.header)
+    assert peak(lambda: lawful(data, SMALL), error=None) < 40 * SMALL.header + 1500 * SMALL.nodes
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", HOSTILE)
 def test_a_frame_of_the_largest_header_is_read_or_refused(kind):
-    lawful(filled(*HOSTILE[kind], Limits().header), Limits())
+    lawful(filled(HOSTILE[kind], Limits().header), Limits())
 
 
 @pytest.mark.parametrize("letter", ["x", "\N{ROBOT FACE}", "\0"])
@@ -519,9 +487,4 @@ def test_a_text_too_long_is_refused_before_it_is_written_down(letter):
 
 def test_a_value_takes_about_twice_its_size_to_encode():
     array = np.zeros(2**21, np.uint8)
-    tracemalloc.start()
-    try:
-        encode([array[::2]] * 4)
-        assert tracemalloc.get_traced_memory()[1] < 2.5 * 2**22
-    finally:
-        tracemalloc.stop()
+    assert peak(lambda: encode([array[::2]] * 4), error=None) < 2.5 * 2**22

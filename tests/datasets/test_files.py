@@ -1,25 +1,18 @@
 """Where the recordings are is said by a variable or by their place, and what is missing is said with what to do."""
 
-from __future__ import annotations
-
 import os
-from pathlib import Path
 
 import pytest
 
 from nao_course.datasets import data_folder, files
 
 
-def test_the_environment_variable_names_the_data_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_environment_variable_names_the_data_folder(tmp_path, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(tmp_path))
     assert data_folder() == tmp_path
 
 
-def test_without_the_variable_the_data_folder_is_beside_the_project(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_variable_the_data_folder_is_beside_the_project(tmp_path, monkeypatch):
     monkeypatch.delenv("NAO_COURSE_DATA", raising=False)
     monkeypatch.setattr(files, "__file__", str(tmp_path / "project" / "nao_course" / "datasets" / "files.py"))
     with pytest.raises(FileNotFoundError, match="NAO_COURSE_DATA is not set"):
@@ -28,9 +21,7 @@ def test_without_the_variable_the_data_folder_is_beside_the_project(
     assert os.path.samefile(data_folder(), tmp_path / "shared" / "data")
 
 
-def test_a_data_folder_that_is_not_there_is_said_with_what_to_do(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_data_folder_that_is_not_there_is_said_with_what_to_do(tmp_path, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(tmp_path / "nowhere"))
     with pytest.raises(FileNotFoundError, match=r"(?s)nowhere.*set the environment variable.*amsterdam_2013"):
         data_folder()

@@ -1,7 +1,5 @@
 """Freiburg's graph is read whole, or refused with its file and edge."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -30,7 +28,7 @@ def saved(folder: Path, graph: Any, name: str = "g") -> Path:
     return path
 
 
-def test_poses_come_first_and_landmarks_behind_them(tmp_path: Path) -> None:
+def test_poses_come_first_and_landmarks_behind_them(tmp_path):
     graph, states = read_freiburg_graph(saved(tmp_path, a_graph()))
     assert graph.ids.tolist() == [7, 8, 5]
     assert graph.kinds.tolist() == [POSE, POSE, LANDMARK]
@@ -70,9 +68,7 @@ def edge(number: int, **to: Any) -> Callable[[dict[str, Any]], None]:
         (lambda graph: graph.pop("edges"), "expected a MATLAB file"),
     ],
 )
-def test_what_is_wrong_is_refused_with_file_and_edge(
-    tmp_path: Path, change: Callable[[dict[str, Any]], Any], message: str
-) -> None:
+def test_what_is_wrong_is_refused_with_file_and_edge(tmp_path, change, message):
     graph = a_graph()
     change(graph)
     with pytest.raises(ValueError, match=rf"graph\.mat.*{message}"):
@@ -80,14 +76,14 @@ def test_what_is_wrong_is_refused_with_file_and_edge(
 
 
 @pytest.mark.parametrize("cut", [1, 100, 130, 300, -10])
-def test_a_damaged_file_is_refused(tmp_path: Path, cut: int) -> None:
+def test_a_damaged_file_is_refused(tmp_path, cut):
     path = saved(tmp_path, a_graph())
     path.write_bytes(path.read_bytes()[:cut])
     with pytest.raises(ValueError, match=r"graph\.mat"):
         read_freiburg_graph(path)
 
 
-def test_what_is_no_such_file_is_refused(tmp_path: Path) -> None:
+def test_what_is_no_such_file_is_refused(tmp_path):
     with pytest.raises(ValueError, match="cannot be read"):
         read_freiburg_graph(tmp_path / "nothing")
     with pytest.raises(ValueError, match="expected a MATLAB file"):
@@ -96,7 +92,7 @@ def test_what_is_no_such_file_is_refused(tmp_path: Path) -> None:
         read_freiburg_graph(saved(tmp_path, a_graph(), "h"))
 
 
-def test_the_courses_file_is_read(data_dir: Path) -> None:
+def test_the_courses_file_is_read(data_dir):
     graph, states = read_freiburg_graph()
     assert (graph.poses, graph.landmarks, len(graph.edges)) == (41, 36, 297)
     assert states.shape == (195,)

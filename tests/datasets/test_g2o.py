@@ -1,9 +1,5 @@
 """A graph that is written is read again to the last bit; a file that is not whole is refused with its line."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -23,7 +19,7 @@ GOOD = [
 ]
 
 
-def written(folder: Path, lines: list[str]) -> Path:
+def written(folder, lines):
     path = folder / "graph.g2o"
     path.write_text("\n".join(lines))
     return path
@@ -51,7 +47,7 @@ def some_graph(rng: np.random.Generator, poses: int, landmarks: int, edges: int)
     return graph, rng.normal(size=graph.size) * 1e3
 
 
-def assert_same(one: Graph, other: Graph) -> None:
+def assert_same(one, other):
     for name in ("edges", "measurements", "information", "kinds", "ids"):
         assert np.array_equal(getattr(one, name), getattr(other, name)), name
 
@@ -68,15 +64,15 @@ ISLANDS = pytest.mark.filterwarnings("ignore:.*the edges do not connect all vert
     edges=st.integers(0, 30),
 )
 def test_a_graph_that_is_written_is_read_again_to_the_last_bit(
-    seed: int, poses: int, landmarks: int, edges: int, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+    seed, poses, landmarks, edges, tmp_path_factory
+):
     graph, states = some_graph(np.random.default_rng(seed), poses, landmarks, edges)
     again, values = read_g2o(write_g2o(graph, states, tmp_path_factory.mktemp("g2o") / "own.g2o"))
     assert_same(graph, again)
     assert np.array_equal(states, values)
 
 
-def test_poses_and_landmarks_keep_the_files_order_and_names(tmp_path: Path) -> None:
+def test_poses_and_landmarks_keep_the_files_order_and_names(tmp_path):
     graph, states = read_g2o(written(tmp_path, GOOD))
     assert graph.ids.tolist() == [7, 3, 9]
     assert graph.kinds.tolist() == [POSE, POSE, LANDMARK]
@@ -87,11 +83,14 @@ def test_poses_and_landmarks_keep_the_files_order_and_names(tmp_path: Path) -> N
     assert states.tolist() == [0, 0, 0, 1.5, 0, 0.25, 2, 2]
 
 
-def test_the_pose_that_fix_names_stands_first(tmp_path: Path) -> None:
+def test_the_pose_that_fix_names_stands_first_and_is_written_last(tmp_path):
     graph, states = read_g2o(written(tmp_path, [*GOOD, "FIX 3"]))
     assert graph.ids.tolist() == [3, 7, 9]
     assert graph.edges.tolist() == [[0, 2], [1, 0]]
     assert states[:3].tolist() == [1.5, 0, 0.25]
+    graph, states = read_g2o(written(tmp_path, GOOD))
+    lines = write_g2o(graph, states, tmp_path / "own.g2o").read_text().splitlines()
+    assert lines[-1] == "FIX 7" and sum(line.startswith("FIX") for line in lines) == 1
 
 
 @pytest.mark.parametrize(
@@ -99,67 +98,46 @@ def test_the_pose_that_fix_names_stands_first(tmp_path: Path) -> None:
     [
         (2, "7 0 0 0", "line 2: the tag must be one of VERTEX_SE2, .*VERTEX2, EDGE2, got '7'"),
         (3, "VERTEX_SE2 3 1.5 0", "line 3: VERTEX_SE2 needs 1 vertex and 3 numbers, 5 words; got 4"),
-        (3, "VERTEX_SE2 3 1.5 0 0 0", "line 3: VERTEX_SE2 needs .*got 6"),
-        (
-            6,
-            "EDGE_SE2_XY 3 9 0.5 2 4 0",
-            "line 6: EDGE_SE2_XY needs 2 vertices and 5 numbers, 8 words; got 7",
-        ),
-        (7, "EDGE_SE2 7 3 1.5 0 0.25 10 0 10 0 100", "line 7: EDGE_SE2 needs .*got 11"),
-        (7, "EDGE_SE2 7 4 1.5 0 0.25 10 1 0 10 0 100", "line 7: there is no vertex 4"),
+        (6, "EDGE_SE2_XY 3 9 0.5 2 4 0", "line 6: EDGE_SE2_XY needs 2 vertices and 5 .* 8 words; got 7"),
         (6, "EDGE_SE2_XY 8 9 0.5 2 4 0 4", "line 6: there is no vertex 8"),
         (4, "VERTEX_XY 3 2 2", "line 4: vertex 3 is already defined in line 3"),
-        (3, "VERTEX_SE2 7 1 1 1", "line 3: vertex 7 is already defined in line 2"),
         (6, "EDGE_SE2_XY 9 3 0.5 2 4 0 4", "line 6: vertex 9 must be a pose, but it is a landmark"),
         (6, "EDGE_SE2_XY 3 7 0.5 2 4 0 4", "line 6: vertex 7 must be a landmark, but it is a pose"),
-        (7, "EDGE_SE2 7 9 1.5 0 0.25 10 1 0 10 0 100", "line 7: vertex 9 must be a pose"),
         (7, "EDGE_SE2 7 7 1.5 0 0.25 10 1 0 10 0 100", "line 7: the edge connects vertex 7 with itself"),
-        (7, "EDGE_SE2 7 3 1.5 0 0.25 0 0 0 0 0 0", "line 7: the information matrix is singular"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 10 10 0 10 0 100", "line 7: the information matrix is singular"),
-        (
-            7,
-            "EDGE_SE2 7 3 1.5 0 0.25 10 11 0 10 0 100",
-            "line 7: the information matrix is .*not positive definite",
-        ),
+        (7, "EDGE_SE2 7 3 1.5 0 0.25 10 11 0 10 0 100", "line 7: .* matrix is .*not positive definite"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 10 1 0 -10 0 100", "line 7: the information matrix .*10 1 0 -10 0 100"),
         (6, "EDGE_SE2_XY 3 9 0.5 2 4 4 4", "line 6: the information matrix is singular"),
         (2, "VERTEX_SE2 7 0 nan 0", "line 2: expected numbers within .*got nan as number 2"),
         (4, "VERTEX_XY 9 2 inf", "line 4: expected numbers within .*got inf as number 2"),
-        (6, "EDGE_SE2_XY 3 9 0.5 nan 4 0 4", "line 6: expected numbers within .*number 2"),
         (7, "EDGE_SE2 7 3 1.5 0 1e300 10 1 0 10 0 100", "line 7: expected numbers within .*number 3"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 nan 1 0 10 0 100", "line 7: expected numbers within .*number 4"),
         (2, "VERTEX_SE2 x 0 0 0", "line 2: expected integers for the vertices and numbers, got 'x 0 0 0'"),
-        (2, "VERTEX_SE2 7.5 0 0 0", "line 2: expected integers for the vertices"),
         (2, "VERTEX_SE2 7 0 0,5 0", "line 2: expected integers for the vertices"),
         (2, "VERTEX_SE2 7 1_0 0 0", "line 2: expected integers for the vertices"),
         (2, "VERTEX_SE2 -1 0 0 0", "line 2: the number of a vertex must be 0"),
         (2, f"VERTEX_SE2 {2**63} 0 0 0", "line 2: the number of a vertex must be 0"),
         (2, f"VERTEX_SE2 {'9' * 9000} 0 0 0", "line 2: expected integers for the vertices"),
-        (5, "FIX 8", "line 5: there is no pose 8"),
         (5, "FIX 9", "line 5: there is no pose 9"),
         (5, "FIX 7 8", "line 5: there is no pose 8"),
         (5, "FIX 7 x", "line 5: expected integers for the vertices"),
         (5, "FIX", "line 5: FIX needs 1 vertex"),
     ],
 )
-def test_a_wrong_line_is_refused_with_its_file_and_number(
-    tmp_path: Path, line: int, to: str, message: str
-) -> None:
+def test_a_wrong_line_is_refused_with_its_file_and_number(tmp_path, line, to, message):
     with pytest.raises(ValueError, match=rf"graph\.g2o, {message}") as caught:
         read_g2o(written(tmp_path, changed(line, to)))
     assert len(str(caught.value)) < 400
 
 
 @pytest.mark.parametrize("fixed", [["FIX 3", "FIX 7", "FIX 3"], ["FIX 3 7"]])
-def test_several_poses_that_fix_names_are_said_and_the_first_is_held(
-    tmp_path: Path, fixed: list[str]
-) -> None:
+def test_several_poses_that_fix_names_are_said_and_the_first_is_held(tmp_path, fixed):
     with pytest.warns(UserWarning, match="FIX names 2 poses; only the first one, 3, is held"):
         graph, _ = read_g2o(written(tmp_path, [*GOOD, *fixed]))
     assert graph.ids.tolist() == [3, 7, 9]
 
 
-def test_lines_with_other_tags_are_counted_and_left_out(tmp_path: Path) -> None:
+def test_lines_with_other_tags_are_left_out_unless_there_are_many(tmp_path):
     more = [
         "PARAMS_SE2OFFSET 0 0 0 0",
         "EDGE_SE2_PRIOR 7 0 0 0 1 0 0 1 0 1",
@@ -170,31 +148,19 @@ def test_lines_with_other_tags_are_counted_and_left_out(tmp_path: Path) -> None:
     plain, values = read_g2o(written(tmp_path, GOOD))
     assert_same(graph, plain)
     assert np.array_equal(states, values)
-
-
-def test_a_file_of_many_kinds_of_lines_is_not_a_graph(tmp_path: Path) -> None:
     lines = [f"TAG{number} 1 2 3" for number in range(g2o.MOST_UNKNOWN_TAGS + 1)]
     with pytest.raises(ValueError, match=f"line {len(lines)}: the tag must be one of"):
         read_g2o(written(tmp_path, lines))
 
 
-def test_edges_that_do_not_connect_all_vertices_are_said(tmp_path: Path) -> None:
+def test_edges_that_do_not_connect_all_vertices_are_said(tmp_path):
     with pytest.warns(UserWarning, match="2 parts, and vertices 7 and 3 are in different ones"):
         read_g2o(written(tmp_path, GOOD[:-1]))
     with pytest.warns(UserWarning, match="3 parts"):
         read_g2o(written(tmp_path, GOOD[:-2]))
 
 
-def test_fix_is_the_last_line_for_gtsam_reads_no_edge_below_it(tmp_path: Path) -> None:
-    graph, states = read_g2o(written(tmp_path, GOOD))
-    lines = write_g2o(graph, states, tmp_path / "own.g2o").read_text().splitlines()
-    assert lines[-1] == "FIX 7" and sum(line.startswith("FIX") for line in lines) == 1
-
-
-# --- TORO ---
-
-
-def test_toros_information_has_its_own_order(tmp_path: Path) -> None:
+def test_toros_information_has_its_own_order(tmp_path):
     """TORO's upper triangle is 11 12 22 33 13 23, which its own documentation calls ff fs ss rr fr sr."""
     lines = ["VERTEX2 0 0 0 0", "VERTEX2 1 1 0 0", "EDGE2 0 1 1 0 0.5 10 1 20 30 2 3"]
     graph, states = read_g2o(written(tmp_path, lines))
@@ -206,29 +172,19 @@ def test_toros_information_has_its_own_order(tmp_path: Path) -> None:
 
 
 @ISLANDS
-def test_a_graph_that_is_written_for_toro_is_read_again_to_the_last_bit(
-    tmp_path: Path, rng: np.random.Generator
-) -> None:
+def test_a_graph_for_toro_is_read_again_to_the_last_bit_and_has_no_landmarks(tmp_path, rng):
     graph, states = some_graph(rng, 6, 0, 12)
     again, values = read_g2o(write_g2o(graph, states, tmp_path / "own.graph", form="toro"))
     assert_same(graph, again)
     assert np.array_equal(states, values)
-
-
-def test_a_graph_with_landmarks_is_not_written_for_toro(tmp_path: Path) -> None:
     graph, states = read_g2o(written(tmp_path, GOOD))
     with pytest.raises(ValueError, match="TORO has no landmarks"):
         write_g2o(graph, states, tmp_path / "own.graph", form="toro")
 
 
-# --- GTSAM, if it is installed (make bench) ---
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["openslam_intel", "MIT", "input_M3500_g2o"])
-def test_gtsam_reads_as_many_vertices_and_edges_as_were_written(
-    data_dir: Path, tmp_path: Path, name: str
-) -> None:
+def test_gtsam_reads_as_many_vertices_and_edges_as_were_written(data_dir, tmp_path, name):
     gtsam = pytest.importorskip("gtsam")
     graph, states = read_g2o(data_dir / "slam" / "g2o" / f"{name}.g2o")
     factors, values = gtsam.readG2o(str(write_g2o(graph, states, tmp_path / "own.g2o")), False)
@@ -245,7 +201,7 @@ CHAIN = [  # a step of 1 m ahead and a quarter turn left each; the loop is close
 ]
 
 
-def test_without_vertex_lines_the_guess_follows_the_edges_from_the_lowest_pose(tmp_path: Path) -> None:
+def test_without_vertex_lines_the_guess_follows_the_fewest_edges_from_the_lowest_pose(tmp_path):
     graph, states = read_g2o(written(tmp_path, CHAIN[:3] + CHAIN[4:]))
     assert graph.ids.tolist() == [2, 4, 5, 6, 1]
     assert graph.kinds.tolist() == [POSE] * 4 + [LANDMARK]
@@ -253,18 +209,13 @@ def test_without_vertex_lines_the_guess_follows_the_edges_from_the_lowest_pose(t
     poses, landmarks = graph.split(states)
     assert np.allclose(poses, [(0, 0, 0), (1, 0, QUARTER), (1, 1, np.pi), (0.5, 1, np.pi)])
     assert np.allclose(landmarks, [(-1, 0)])
-
-
-def test_without_vertex_lines_the_guess_takes_the_fewest_edges(tmp_path: Path) -> None:
     graph, states = read_g2o(written(tmp_path, CHAIN))
     poses, _ = graph.split(states)
     # By the edge from 5 back to 2, not through 4
     assert np.allclose(poses[graph.ids[:4] == 5], [(-9, -9, 0)])
 
 
-def test_without_vertex_lines_a_pose_with_a_short_and_a_long_chain_follows_the_short_one(
-    tmp_path: Path,
-) -> None:
+def test_without_vertex_lines_a_pose_with_a_short_and_a_long_chain_follows_the_short_one(tmp_path):
     """Pose 4 is two edges from the start by pose 1, and three by poses 2 and 3, which place it elsewhere."""
     ends = [(0, 1, 1), (0, 2, 1), (2, 3, 1), (3, 4, 7), (1, 4, 1)]
     edges = [f"EDGE_SE2 {first} {second} {x} 0 0 1 0 0 1 0 1" for first, second, x in ends]
@@ -274,7 +225,7 @@ def test_without_vertex_lines_a_pose_with_a_short_and_a_long_chain_follows_the_s
         assert np.allclose(poses[graph.ids == 4], [(2, 0, 0)])
 
 
-def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path: Path) -> None:
+def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path):
     graph, states = read_g2o(written(tmp_path, [*CHAIN, "FIX 5"]))
     poses, _ = graph.split(states)
     assert graph.ids.tolist() == [5, 2, 4, 6, 1]
@@ -284,22 +235,15 @@ def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path:
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        (
-            ["EDGE_SE2 7 8 1 0 0 1 0 0 1 0 1"],
-            "vertex 7 has no VERTEX line, and no chain of edges connects it with vertex 2",
-        ),
+        (["EDGE_SE2 7 8 1 0 0 1 0 0 1 0 1"], "vertex 7 has no VERTEX line, and no chain .* with vertex 2"),
         # A landmark has no heading, so no chain leads through it.
         (["EDGE_SE2_XY 7 1 1 0 1 0 1"], "vertex 7 has no VERTEX line, and no chain"),
-        (["EDGE_SE2 5 7 1 nan 0 1 0 0 1 0 1"], "line 6: expected numbers within .*number 2"),
         (["EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"], "line 5: vertex 1 must be a landmark, but it is a pose"),
-        (["EDGE_SE2 5 5 1 0 0 1 0 0 1 0 1"], "line 6: the edge connects vertex 5 with itself"),
         (["FIX 1"], "line 6: there is no pose 1"),
         (["VERTEX_SE2 2 0 0 0"], "there is no vertex 4"),
     ],
 )
-def test_edges_without_vertices_that_give_no_whole_guess_are_refused(
-    tmp_path: Path, more: list[str], message: str
-) -> None:
+def test_edges_without_vertices_that_give_no_whole_guess_are_refused(tmp_path, more, message):
     with pytest.raises(ValueError, match=rf"graph\.g2o.*{message}"):
         read_g2o(written(tmp_path, [*CHAIN, *more]))
 
@@ -308,27 +252,24 @@ def test_edges_without_vertices_that_give_no_whole_guess_are_refused(
     ("data", "message"),
     [
         (b"", "got an empty file"),
-        (b"# nothing\n\n", "no line begins with VERTEX_SE2"),
         (b"VERTEX_XY 1 2 3\n", "no line begins with VERTEX_SE2"),
         (b"VERTEX_SE2 0 \xff 0 0\n", "line 1: expected integers"),
         (b"\x93NUMPY" + bytes(200) + b"1", "is not text"),
     ],
 )
-def test_what_is_no_graph_is_refused_with_its_file(tmp_path: Path, data: bytes, message: str) -> None:
+def test_what_is_no_graph_is_refused_with_its_file(tmp_path, data, message):
     (tmp_path / "graph.g2o").write_bytes(data)
     with pytest.raises(ValueError, match=rf"graph\.g2o.*{message}"):
         read_g2o(tmp_path / "graph.g2o")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
-def test_a_graph_may_have_the_encoding_of_any_editor(tmp_path: Path, encoding: str) -> None:
+def test_a_graph_may_have_the_encoding_of_any_editor(tmp_path, encoding):
     (tmp_path / "graph.g2o").write_bytes("\n".join([*GOOD, "# Größe"]).encode(encoding))
     assert_same(read_g2o(tmp_path / "graph.g2o")[0], read_g2o(written(tmp_path, GOOD))[0])
 
 
-def test_a_file_that_is_missing_or_too_large_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_is_missing_or_too_large_is_refused(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="graph.g2o: cannot be read"):
         read_g2o(tmp_path / "graph.g2o")
     monkeypatch.setattr(g2o, "LARGEST_GRAPH", 20)
@@ -336,13 +277,13 @@ def test_a_file_that_is_missing_or_too_large_is_refused(
         read_g2o(written(tmp_path, GOOD))
 
 
-def test_units_do_not_make_an_information_matrix_singular(tmp_path: Path) -> None:
+def test_units_do_not_make_an_information_matrix_singular(tmp_path):
     graph, _ = read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-6 0 0 1e-6 0 1e12")))
     assert graph.information[1, 2, 2] == 1e12
     read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-14 0 0 1e-14 0 1")))
 
 
-def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, rng: np.random.Generator) -> None:
+def test_what_could_not_be_read_again_is_not_written(tmp_path, rng):
     graph, states = some_graph(rng, 3, 1, 4)
     states[2] = np.nan
     with pytest.raises(ValueError, match="not written, because the states"):
@@ -359,9 +300,7 @@ def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, rng: np.ran
         pytest.param("city10000", 10_000, 20_687, marks=pytest.mark.slow),
     ],
 )
-def test_the_standard_graphs_are_read_and_written(
-    data_dir: Path, tmp_path: Path, name: str, poses: int, edges: int
-) -> None:
+def test_the_standard_graphs_are_read_and_written(data_dir, tmp_path, name, poses, edges):
     graph, states = read_g2o(data_dir / "slam" / "g2o" / f"{name}.g2o")
     assert (graph.poses, graph.landmarks, len(graph.edges)) == (poses, 0, edges)
     again, values = read_g2o(write_g2o(graph, states, tmp_path / "own.g2o"))

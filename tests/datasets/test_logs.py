@@ -1,7 +1,5 @@
 """A log is read as a whole or refused with its file and line; what is written is read again."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +22,7 @@ def changed(line: int, to: str) -> list[str]:
     return [*GOOD[: line - 1], to, *GOOD[line:]]
 
 
-# --- the homework's ---
-
-
-def test_measurements_and_controls_stand_in_turn(tmp_path: Path) -> None:
+def test_measurements_and_controls_stand_in_turn(tmp_path):
     log = read_homework_log(written(tmp_path, GOOD))
     assert log.measurements.tolist() == [[0.1, 2.0, -0.2, 3.5]] * 3
     assert log.controls.tolist() == [[1.0, 0.5], [0.5, -0.25]]
@@ -36,16 +31,14 @@ def test_measurements_and_controls_stand_in_turn(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", [SEEN, SEEN + "\t\r\n\r\n"])
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
-def test_one_line_a_mark_at_the_beginning_and_empty_lines_at_the_end_are_a_log(
-    tmp_path: Path, text: str, encoding: str
-) -> None:
+def test_one_line_a_mark_at_the_beginning_and_empty_lines_at_the_end_are_a_log(tmp_path, text, encoding):
     path = tmp_path / "data.txt"
     path.write_text(text, encoding=encoding, newline="")
     log = read_homework_log(path)
     assert log.measurements.shape == (1, 4) and log.controls.shape == (0, 2)
 
 
-def test_what_is_written_is_read_again(tmp_path: Path, rng: np.random.Generator) -> None:
+def test_what_is_written_is_read_again(tmp_path, rng):
     log = HomeworkLog(np.abs(rng.normal(size=(8, 6))).round(4), rng.normal(size=(7, 2)).round(4))
     again = read_homework_log(write_homework_log(log, tmp_path / "own.txt"))
     assert np.array_equal(again.measurements, log.measurements)
@@ -74,9 +67,7 @@ def test_what_is_written_is_read_again(tmp_path: Path, rng: np.random.Generator)
         (2, "x" * 5000 + " 0", "line 2: expected a number"),
     ],
 )
-def test_a_wrong_line_is_refused_with_its_file_and_number(
-    tmp_path: Path, line: int, to: str, message: str
-) -> None:
+def test_a_wrong_line_is_refused_with_its_file_and_number(tmp_path, line, to, message):
     with pytest.raises(ValueError, match=rf"data\.txt, {message}") as caught:
         read_homework_log(written(tmp_path, changed(line, to)))
     assert len(str(caught.value)) < 300
@@ -93,12 +84,12 @@ def test_a_wrong_line_is_refused_with_its_file_and_number(
     ],
     ids=["empty", "blank", "huge", "wide", "cut off"],
 )
-def test_a_wrong_file_is_refused_by_its_name(tmp_path: Path, text: str, message: str) -> None:
+def test_a_wrong_file_is_refused_by_its_name(tmp_path, text, message):
     with pytest.raises(ValueError, match=rf"data\.txt.*{message}"):
         read_homework_log(written(tmp_path, text))
 
 
-def test_a_file_that_is_missing_or_no_text_is_refused_by_its_name(tmp_path: Path) -> None:
+def test_a_file_that_is_missing_or_no_text_is_refused_by_its_name(tmp_path):
     with pytest.raises(ValueError, match=r"data\.txt: cannot be read"):
         read_homework_log(tmp_path / "data.txt")
     (tmp_path / "data.txt").write_bytes(b"\xff\xfe1\x00\x00")
@@ -106,20 +97,18 @@ def test_a_file_that_is_missing_or_no_text_is_refused_by_its_name(tmp_path: Path
         read_homework_log(tmp_path / "data.txt")
 
 
-def test_shapes_that_do_not_fit_are_no_log() -> None:
+def test_shapes_that_do_not_fit_are_no_log():
     with pytest.raises(ValueError, match=r"got the shapes \(3, 4\) and \(3, 2\)"):
         HomeworkLog(np.zeros((3, 4)), np.zeros((3, 2)))
     with pytest.raises(ValueError, match="HomeworkLog has"):
         HomeworkLog(np.zeros((3, 3)), np.zeros((2, 2)))
 
 
-def test_the_homeworks_own_log_has_six_landmarks_and_turns_last(data_dir: Path) -> None:
+def test_the_homeworks_own_log_has_six_landmarks_and_turns_last(data_dir):
     log = read_homework_log(data_dir / "slam" / "cmu16833_hw2" / "data.txt")
     assert (log.k, log.measurements.shape, log.controls.shape) == (6, (30, 12), (29, 2))
     assert log.measurements[0, :2].tolist() == [1.1072, 6.7060]
 
-
-# --- Freiburg's ---
 
 WORLD = ["1 2 1", "7 0 4"]
 SENSOR = ["ODOMETRY 0.1 1.0 0.0", "SENSOR 7 4.0 0.5", "SENSOR 1 2.0 -0.5", "ODOMETRY 0 1 0"]
@@ -131,7 +120,7 @@ def freiburg(folder: Path, world: list[str], sensor: list[str]) -> Path:
     return folder
 
 
-def test_freiburgs_sights_name_rows_and_have_the_bearing_first(tmp_path: Path) -> None:
+def test_freiburgs_sights_name_rows_and_have_the_bearing_first(tmp_path):
     log = read_freiburg_log(freiburg(tmp_path, WORLD, SENSOR))
     assert log.landmarks.tolist() == [[2.0, 1.0], [0.0, 4.0]]
     assert log.odometry.tolist() == [[0.1, 1.0, 0.0], [0.0, 1.0, 0.0]]
@@ -156,16 +145,14 @@ def test_freiburgs_sights_name_rows_and_have_the_bearing_first(tmp_path: Path) -
         ("sensor_data.dat", 3, "", "line 3: the line is empty"),
     ],
 )
-def test_a_wrong_line_of_freiburgs_is_refused_with_its_file_and_number(
-    tmp_path: Path, file: str, line: int, to: str, message: str
-) -> None:
+def test_a_wrong_line_of_freiburgs_is_refused_with_its_file_and_number(tmp_path, file, line, to, message):
     lines = {"world.dat": list(WORLD), "sensor_data.dat": list(SENSOR)}
     lines[file][line - 1] = to
     with pytest.raises(ValueError, match=rf"{file}, {message}"):
         read_freiburg_log(freiburg(tmp_path, lines["world.dat"], lines["sensor_data.dat"]))
 
 
-def test_freiburgs_own_log_is_read_to_its_end(data_dir: Path) -> None:
+def test_freiburgs_own_log_is_read_to_its_end(data_dir):
     log = read_freiburg_log(data_dir / "slam" / "freiburg")
     assert (log.landmarks.shape, log.odometry.shape) == ((9, 2), (331, 3))
     assert sum(len(each.indices) for each in log.observations) == 1212

@@ -1,7 +1,5 @@
 """The readers give back what a file says, and refuse, by name, a file that says nonsense."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import FrozenInstanceError
 from pathlib import Path
@@ -45,10 +43,7 @@ def write(folder: Path, annotations: Any, name: str = "scenes") -> Path:
     return folder
 
 
-# --- laws of the reader ---
-
-
-def test_the_reader_gives_back_what_the_file_says(tmp_path: Path) -> None:
+def test_the_reader_gives_back_what_the_file_says(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     assert picture.name == "scene_001.png"
     assert picture.path == tmp_path / "amsterdam_2013" / "scenes" / "scene_001.png"
@@ -57,7 +52,7 @@ def test_the_reader_gives_back_what_the_file_says(tmp_path: Path) -> None:
     assert picture.points == (AnnotatedPoint("L", 301.0, 17.5), AnnotatedPoint("post_top", 3.0, 200.0))
 
 
-def test_pixels_are_rgb_rows_first_and_v_is_the_row(tmp_path: Path) -> None:
+def test_pixels_are_rgb_rows_first_and_v_is_the_row(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     assert picture.pixels.shape == (HEIGHT, WIDTH, 3)
     assert picture.pixels.dtype == np.uint8
@@ -65,7 +60,7 @@ def test_pixels_are_rgb_rows_first_and_v_is_the_row(tmp_path: Path) -> None:
     assert picture.pixels[int(point.v), int(point.u)].tolist() == [255, 0, 0]
 
 
-def test_a_picture_is_read_when_first_asked_for_and_then_kept(tmp_path: Path) -> None:
+def test_a_picture_is_read_when_first_asked_for_and_then_kept(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     first = picture.pixels
     picture.path.unlink()
@@ -74,7 +69,7 @@ def test_a_picture_is_read_when_first_asked_for_and_then_kept(tmp_path: Path) ->
         picture.read()
 
 
-def test_a_picture_cannot_be_changed_by_accident_but_read_gives_a_copy_of_ones_own(tmp_path: Path) -> None:
+def test_a_picture_cannot_be_changed_by_accident_but_read_gives_a_copy_of_ones_own(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     with pytest.raises(ValueError, match="read-only"):
         picture.pixels[0, 0] = 1
@@ -84,7 +79,7 @@ def test_a_picture_cannot_be_changed_by_accident_but_read_gives_a_copy_of_ones_o
     assert picture.pixels[0, 0].tolist() == [0, 0, 0]
 
 
-def test_the_larger_version_is_read_where_there_is_one(tmp_path: Path) -> None:
+def test_the_larger_version_is_read_where_there_is_one(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     assert not picture.has_large
     with pytest.raises(ValueError, match=r"scene_001\.png has no version of 1280 x 960"):
@@ -95,19 +90,14 @@ def test_the_larger_version_is_read_where_there_is_one(tmp_path: Path) -> None:
     assert picture.read(large=True).shape == (960, 1280, 3)
 
 
-def test_a_picture_without_points_is_a_picture(tmp_path: Path) -> None:
+def test_a_picture_without_points_is_a_picture(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry(points=[])]))
     assert picture.points == ()
 
 
-def test_the_environment_variable_names_the_folder_of_the_pictures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_environment_variable_names_the_folder_of_the_pictures(tmp_path, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(write(tmp_path, [entry()])))
     assert len(read_pictures("scenes")) == 1
-
-
-# --- malformed and hostile files ---
 
 
 @pytest.mark.parametrize(
@@ -141,9 +131,7 @@ def test_the_environment_variable_names_the_folder_of_the_pictures(
         ({"points": [{"kind": "X", "u": 1e9, "v": 1}]}, "point 0: u must be a number"),
     ],
 )
-def test_a_wrong_entry_is_refused_with_the_file_and_the_entrys_number(
-    tmp_path: Path, changes: dict[str, Any], message: str
-) -> None:
+def test_a_wrong_entry_is_refused_with_the_file_and_the_entrys_number(tmp_path, changes, message):
     folder = write(tmp_path, [entry(), entry(**changes)])
     with pytest.raises(ValueError, match=rf"(?s)annotations\.json, entry 1.*{message}") as caught:
         read_pictures("scenes", folder)
@@ -171,12 +159,12 @@ def test_a_wrong_entry_is_refused_with_the_file_and_the_entrys_number(
     ],
     ids=lambda value: str(value)[:20],
 )
-def test_a_wrong_file_is_refused_by_its_name(tmp_path: Path, text: str, message: str) -> None:
+def test_a_wrong_file_is_refused_by_its_name(tmp_path, text, message):
     with pytest.raises(ValueError, match=rf"annotations\.json.*({message})"):
         read_pictures("scenes", write(tmp_path, text))
 
 
-def test_a_missing_annotation_file_or_one_of_another_encoding_is_refused_by_its_name(tmp_path: Path) -> None:
+def test_a_missing_annotation_file_or_one_of_another_encoding_is_refused_by_its_name(tmp_path):
     with pytest.raises(ValueError, match=r"straightwalk.annotations\.json: cannot be read"):
         read_pictures("straightwalk", write(tmp_path, [entry()]))
     (tmp_path / "amsterdam_2013" / "scenes" / "annotations.json").write_bytes(b"\xff\xfe\xff")
@@ -185,16 +173,14 @@ def test_a_missing_annotation_file_or_one_of_another_encoding_is_refused_by_its_
 
 
 @pytest.mark.parametrize("kept", [0, 4, 20, 60])
-def test_a_damaged_picture_is_refused_by_its_name(tmp_path: Path, kept: int) -> None:
+def test_a_damaged_picture_is_refused_by_its_name(tmp_path, kept):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     picture.path.write_bytes(picture.path.read_bytes()[:kept])
     with pytest.raises(ValueError, match=r"scene_001\.png: "):
         _ = picture.pixels
 
 
-def test_a_small_file_that_claims_to_be_a_huge_picture_is_refused_before_it_is_decoded(
-    tmp_path: Path,
-) -> None:
+def test_a_small_file_that_claims_to_be_a_huge_picture_is_refused_before_it_is_decoded(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     contents = bytearray(picture.path.read_bytes())
     contents[16:24] = (60_000).to_bytes(4, "big") * 2
@@ -203,15 +189,12 @@ def test_a_small_file_that_claims_to_be_a_huge_picture_is_refused_before_it_is_d
         _ = picture.pixels
 
 
-def test_an_unknown_set_is_refused_with_the_known_ones(tmp_path: Path) -> None:
+def test_an_unknown_set_is_refused_with_the_known_ones(tmp_path):
     with pytest.raises(ValueError, match=r"'scenes', 'straightwalk'.*got '\.\./scenes'"):
         read_pictures("../scenes", tmp_path)  # type: ignore[arg-type]
 
 
-# --- the real sets ---
-
-
-def test_the_real_sets_have_their_published_numbers(data_dir: Path) -> None:
+def test_the_real_sets_have_their_published_numbers(data_dir):
     scenes, walk = read_pictures("scenes", data_dir), read_pictures("straightwalk", data_dir)
     assert (len(scenes), len(walk)) == (64, 30)
     assert sum(picture.has_large for picture in scenes) == 8

@@ -44,12 +44,8 @@ def test_the_field_of_view_spans_the_picture():
     edge = v.project([[1.0, np.tan(v.hfov / 2), v.height], [1.0, 0.0, v.height + np.tan(v.vfov / 2)]])
     assert np.isclose(edge[0, 0], -0.5)
     assert np.isclose(edge[1, 1], -0.5)
-
-
-def test_a_larger_picture_of_the_same_camera_shows_the_same_points_scaled():
-    points = np.random.default_rng(0).uniform([0.5, -1], [4, 1], (50, 2))
-    small, large = view(k1=-0.08).project(points), view(k1=-0.08, size=(1280, 960)).project(points)
-    assert np.allclose((small + 0.5) * 4, large + 0.5)
+    phone = CameraView.from_fov((4000, 3000), np.radians(65), height=0.4, pitch=0.5)
+    assert np.isclose(*phone.focal), "square pixels"
 
 
 @given(st.floats(-0.15, 0.15), st.floats(-0.5, 319.5), st.floats(-0.5, 239.5))
@@ -66,11 +62,14 @@ def test_barrel_pulls_the_corners_inwards_and_leaves_the_middle():
     assert np.allclose(straight.undistort(corner), [corner])
 
 
-def test_points_behind_the_camera_and_beyond_the_lens_have_no_pixel():
+def test_points_behind_the_camera_beyond_the_lens_or_that_are_none_have_no_place():
     assert np.isnan(view().project([[-1.0, 0.0]])).all()
     assert np.isnan(view(k1=-0.08, pitch=0.0).project([[0.1, 3.0, 0.48]])).all()
     assert view().project([]).shape == (0, 2)
     assert not view().contains([[np.nan, np.nan]])[0]
+    bent = view(k1=-0.08)
+    assert np.isnan(bent.undistort([[np.nan, 2.0], [3.0, np.nan]])).all()
+    assert np.allclose(bent.undistort([bent.centre]), [bent.centre])
 
 
 @pytest.mark.parametrize("size", [(320, 240), (1, 1), (7, 5)])
@@ -92,20 +91,20 @@ def test_a_point_is_in_the_picture_where_it_lies_in_one_of_its_pixels(u, v):
     assert view(size=(7, 5)).contains([u, v])[0] == in_a_pixel.any()
 
 
-def test_moving_the_robot_and_the_points_together_changes_no_pixel(rng):
+def test_moving_robot_and_points_together_or_enlarging_the_picture_shows_the_same_points(rng):
     points = rng.uniform(-3, 3, (40, 2))
     robot, moved = Pose(0.3, -0.2, 0.4), Pose(5.0, -3.0, 2.0)
     v = NAO_V4.view("top", yaw=0.3)
     there = v.project(moved.to_parent(points), moved @ robot)
     assert np.allclose(v.project(points, robot), there, equal_nan=True)
+    points = rng.uniform([0.5, -1], [4, 1], (50, 2))
+    small, large = view(k1=-0.08).project(points), view(k1=-0.08, size=(1280, 960)).project(points)
+    assert np.allclose((small + 0.5) * 4, large + 0.5)
 
 
-def test_without_tilt_the_head_alone_gives_yaw_and_pitch_and_no_roll():
+def test_the_head_gives_yaw_and_pitch_and_a_lean_rolls_or_pitches_the_camera():
     v = NAO_V4.view("bottom", yaw=0.5, pitch=-0.3)
     assert np.allclose((v.yaw, v.pitch, v.roll), (0.5, np.radians(39.7) - 0.3, 0.0))
-
-
-def test_a_lean_to_the_side_rolls_a_camera_that_looks_ahead_and_pitches_one_that_looks_aside():
     ahead = NAO_V4.view("top", torso_roll=0.1)
     aside = NAO_V4.view("top", yaw=-np.pi / 2, torso_roll=0.1)
     level = NAO_V4.view("top", yaw=-np.pi / 2)
@@ -123,26 +122,21 @@ def test_the_ray_at_the_edge_of_the_picture_has_the_makers_angle(model, hfov_deg
     assert 2 * np.degrees(np.arctan((below - v.centre[1]) / v.focal[1])) == pytest.approx(vfov_deg)
 
 
-def test_a_phones_square_pixels_give_the_vertical_field_of_view():
-    phone = CameraView.from_fov((4000, 3000), np.radians(65), height=0.4, pitch=0.5)
-    assert np.isclose(*phone.focal)
-
-
 @pytest.mark.parametrize(
     ("make", "says"),
     [
         (lambda: view(size=(0, 240)), r"size must be .* got \(0, 240\)"),
         (lambda: view(size=(320.5, 240)), "whole pixels"),
         (lambda: view(size=(10**6, 240)), "1 to 8192"),
-        (lambda: view(size=320), "size must be"),
-        (lambda: view(size=(np.nan, 3)), "size must be"),
         (lambda: view(size=(np.inf, 3)), "size must be"),
         (lambda: view(hfov=4.0), "hfov must be between 0 and pi"),
         (lambda: view(height=0.0), "above the ground"),
         (lambda: view(pitch=np.nan), "pitch must be a finite number"),
+        (lambda: view(pitch=25.0), "pitch must be in radians"),
+        (lambda: view(roll=25.0), "roll must be in radians"),
+        (lambda: CameraView.from_fov((320, 240), 1.1, height=0.3, pitch=55), "pitch must be in radians"),
         (lambda: NAO_V4.view("left"), r"camera must be one of \['bottom', 'top'\], got 'left'"),
         (lambda: NAO_V4.view(pitch=0.6), r"head pitch must be within .*-38.5..29.5 deg"),
-        (lambda: NAO_V4.view(yaw=-3), "head yaw must be within"),
         (lambda: NAO_V4.view(yaw=np.nan), "head yaw .* finite"),
         (lambda: NAO_V4.view(stance="lying"), "stance must be"),
         (lambda: view().project([[1, 2, 3, 4]]), r"\(N, 3\)"),
@@ -151,17 +145,3 @@ def test_a_phones_square_pixels_give_the_vertical_field_of_view():
 def test_impossible_cameras_are_refused_with_what_was_expected(make, says):
     with pytest.raises(ValueError, match=says):
         make()
-
-
-@pytest.mark.parametrize("name", ["pitch", "roll"])
-def test_an_angle_that_can_only_be_degrees_is_refused(name):
-    with pytest.raises(ValueError, match=f"{name} must be in radians"):
-        view(**{name: 25.0})
-    with pytest.raises(ValueError, match="pitch must be in radians"):
-        CameraView.from_fov((320, 240), 1.1, height=0.3, pitch=55)
-
-
-def test_half_a_pixel_that_is_none_has_no_place_without_the_lens():
-    bent = view(k1=-0.08)
-    assert np.isnan(bent.undistort([[np.nan, 2.0], [3.0, np.nan]])).all()
-    assert np.allclose(bent.undistort([bent.centre]), [bent.centre])

@@ -14,21 +14,10 @@ from nao_course.sim import DIMENSIONS, NAO_V4, Field, Reality, SimulatedNao, ren
 from nao_course.sim.fields import SHIPPED, FieldDimensions
 from nao_course.widgets.world.scene import WorldScene
 
-GIVEN = {
-    "half": "false",
-    "length": "4.5",
-    "width": "3.0",
-    "border": "0.3",
-    "line_width": "0.05",
-    "goal_colour": '"none"',
-}
-GOAL = {
-    "goal_colour": '"white"',
-    "goal_width": "1.0",
-    "post_height": "0.6",
-    "post_diameter": "0.05",
-    "bar_diameter": "0.05",
-}
+GIVEN = {"half": "false", "length": "4.5", "width": "3.0", "border": "0.3", "line_width": "0.05"}
+GIVEN |= {"goal_colour": '"none"'}
+GOAL = {"goal_colour": '"white"', "goal_width": "1.0", "post_height": "0.6"}
+GOAL |= {"post_diameter": "0.05", "bar_diameter": "0.05"}
 
 
 def written(folder, **changes):
@@ -49,13 +38,10 @@ def test_every_key_of_a_fields_file_arrives_on_the_field(name):
     assert field == Field.from_toml(name)
 
 
-def test_a_year_is_the_name_of_a_file():
+def test_a_file_makes_the_field_of_its_year(tmp_path):
     assert sorted(DIMENSIONS) == [2012, 2013, 2025]
     for year, dimensions in DIMENSIONS.items():
         assert Field.from_toml(str(year)).dimensions == dimensions == Field(year).dimensions
-
-
-def test_a_file_of_the_rules_of_2012_makes_the_field_of_2012(tmp_path):
     copy = tmp_path / "copy.toml"
     copy.write_bytes(SHIPPED["2012"].read_bytes())
     own, year = Field.from_toml(copy), Field(2012)
@@ -68,59 +54,32 @@ def test_a_file_of_the_rules_of_2012_makes_the_field_of_2012(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (
-            {"length": None},
-            "length is missing; the keys half, length, width, border, line_width, goal_colour must",
-        ),
-        ({"half": None}, "half is missing"),
+        ({"length": None}, "length is missing; the keys half, length, width, border, line_width, goal_col"),
         ({"half": "1"}, "half must be true or false, got 1"),
         ({"width": '"3 m"'}, "width must be a number of metres, got '3 m'"),
-        ({"width": "true"}, "width must be a number of metres, got true"),
         ({"border": "-0.3"}, "border must be a number of metres that is not negative, got -0.3"),
         ({"length": "nan"}, "length must be a number of metres that is not negative, got nan"),
         ({"length": "1" + 400 * "0"}, "length must be a number of metres that is not negative, got 1000"),
         ({"length": "0"}, "length must be above 0 and below 30 m, got 0"),
         ({"width": "31"}, "width must be above 0 and below 30 m, got 31"),
-        (
-            {"line_width": "0.8"},
-            "line_width must be above 0 and below 0.75 m (a quarter of the width), got 0.8",
-        ),
-        (
-            {"circle_diameter": "3.0"},
-            "circle_diameter must be above 0.1 and below 3 m (the circle would reach",
-        ),
-        (
-            {"goal_area": "[2.3, 2.0]"},
-            "goal_area: the depth must be above 0.05 and below 2.25 m (half of the length)",
-        ),
-        (
-            {"goal_area": "[0.6, 3.0]"},
-            "goal_area: the width must be above 0.05 and below 3 m (the field's width)",
-        ),
+        ({"line_width": "0.8"}, "line_width must be above 0 and below 0.75 m (a quarter of the width), got"),
+        ({"circle_diameter": "3.0"}, "circle_diameter must be above 0.1 and below 3 m (the circle would"),
+        ({"goal_area": "[2.3, 2.0]"}, "goal_area: the depth must be above 0.05 and below 2.25 m (half of"),
+        ({"goal_area": "[0.6, 3.0]"}, "goal_area: the width must be above 0.05 and below 3 m (the field's"),
         (
             {"goal_area": "0.6"},
             "goal_area must be its depth and width in metres, such as [0.6, 2.2], got 0.6",
         ),
         ({"goal_area": "[0.6, 2, 1]"}, "goal_area must be its depth and width"),
-        (
-            {"goal_area": "[0.6, 2.0]", "penalty_area": "[0.5, 2.5]"},
-            "penalty_area: the depth must be above the depth of the goal area, 0.6 m, got 0.5",
-        ),
-        (
-            {"penalty_area": "[1.5, 2.0]", "circle_diameter": "1.6"},
-            "circle_diameter must be above 0.1 and below 1.5 m",
-        ),
+        ({"goal_area": "[0.6, 2.0]", "penalty_area": "[0.5, 2.5]"}, "penalty_area: the depth must be above"),
+        ({"penalty_area": "[1.5, 2.0]", "circle_diameter": "1.6"}, "circle_diameter must be above 0.1 and"),
         ({"penalty_mark": "1.0"}, "mark_size must be given for a field with penalty marks"),
         ({"penalty_mark": "2.5", "mark_size": "0.1"}, "penalty_mark must be above 0 and below 2.25 m"),
         ({"mark_size": "2"}, "mark_size must be above 0 and below 1.5 m"),
         ({"goal_colour": '"red"'}, """goal_colour must be one of "yellow", "white", "none", got 'red'"""),
-        ({"goal_colour": "[1]"}, "goal_colour must be one of"),
         ({"goal_width": "1.4"}, 'goal_width must be left out if goal_colour = "none"'),
         ({"goal_colour": '"white"'}, "goal_width must be given for a field with goals"),
-        (
-            {**GOAL, "goal_width": "3.5"},
-            "goal_width must be above 0 and below 3 m (the field's width), got 3.5",
-        ),
+        ({**GOAL, "goal_width": "3.5"}, "goal_width must be above 0 and below 3 m (the field's width), got"),
         ({**GOAL, "post_height": "5"}, "post_height must be above 0 and below 3 m"),
         ({**GOAL, "post_diameter": "0.5"}, "post_diameter must be above 0 and below 0.3 m"),
         ({"lenght": "4"}, "lenght is not a key of a field; did you mean length?"),
@@ -145,14 +104,8 @@ def test_a_file_that_is_not_there_is_named_with_the_courses_own_fields(tmp_path)
 def test_what_a_file_leaves_out_is_not_on_the_field(tmp_path):
     bare = Field.from_toml(written(tmp_path))
     assert [mark.shape for mark in bare.landmarks] == ["L"] * 4 + ["T"] * 2
-    for each, columns in (
-        (bare.posts, (2,)),
-        (bare.bars, (2, 3)),
-        (bare.arcs, (5,)),
-        (bare.marks, (2,)),
-        (bare.mark_lines, (4,)),
-    ):
-        assert each.shape == (0, *columns)
+    for each in (bare.posts, bare.bars, bare.arcs, bare.marks, bare.mark_lines):
+        assert len(each) == 0
     assert len(Field.from_toml(written(tmp_path, **GOAL)).posts) == 4
 
 
@@ -191,15 +144,12 @@ def test_a_robot_stands_on_a_field_of_ones_own_and_senses_its_corners():
         SimulatedNao(Field.from_toml("lab"), Pose(2.7, 0.0, 0.0))
 
 
-def test_a_field_of_ones_own_survives_encoding_and_cannot_be_forged():
+def test_a_field_of_ones_own_survives_encoding_cannot_be_forged_and_is_compared_by_value():
     field = Field.from_toml("lab")
     assert decode(encode(field)) == field
     forged = encode(field).replace((4.5).hex().encode(), (4.5 * 2**20).hex().encode())
     assert len(forged) == len(encode(field)) + 1
     with pytest.raises(CodecError):
         decode(forged[:4] + (int.from_bytes(forged[4:12], "little") + 1).to_bytes(8, "little") + forged[12:])
-
-
-def test_dimensions_are_compared_and_hashed_by_value():
     assert len({DIMENSIONS[2012], replace(DIMENSIONS[2012]), replace(DIMENSIONS[2012], border=0.5)}) == 2
     assert isinstance(DIMENSIONS[2012], FieldDimensions)

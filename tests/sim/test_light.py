@@ -62,7 +62,7 @@ def test_the_part_of_the_exposure_that_is_automatic_is_as_large_as_stated():
     assert means[1] == pytest.approx(np.sqrt(means[0] * means[2]), rel=0.02)
 
 
-def test_glare_shines_on_the_ground_and_not_on_what_is_above_the_horizon():
+def test_glare_shines_on_the_ground_alone_and_white_balance_keeps_the_sum_of_light():
     for seed in range(4):
         light = np.zeros_like(GREY)
         view = NAO_V4.view("top", size=(320, 240))  # the horizon is at row 119
@@ -70,9 +70,6 @@ def test_glare_shines_on_the_ground_and_not_on_what_is_above_the_horizon():
         Lamps(Field(), Eye(Pose(), view), effects).light_ground(light)
         assert light[:100].max() == 0
         assert light[130:].max() > 0
-
-
-def test_white_balance_changes_the_colour_of_light_and_not_its_sum():
     gains = [lamps(white_balance=0.1, seed=seed).at(np.array([0]))[0] for seed in range(5)]
     assert np.allclose(np.mean(gains, axis=1), 1, atol=1e-6)
     assert np.std(gains, axis=1).min() > 0.003

@@ -1,5 +1,7 @@
 """The simulated robot: what it does, what it believes, and what it must not know."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,7 +38,7 @@ def test_without_noise_odometry_is_the_truth():
     assert len(truth.path) == 6
 
 
-def test_without_noise_sense_gives_the_true_bearing_and_range_of_all_it_sees():
+def test_without_noise_sense_gives_bearing_and_range_from_right_to_left():
     nao = SimulatedNao(pose=Pose(0.4, 0.3, -0.1), **EXACT)
     measured = nao.sense(max_range=10)
     field, pose = nao.field, Truth(nao).pose
@@ -49,9 +51,6 @@ def test_without_noise_sense_gives_the_true_bearing_and_range_of_all_it_sees():
         errors = np.hypot(*(local - seen).T)
         assert errors.min() < 1e-9
         assert kinds[errors.argmin()] == each.kind
-
-
-def test_what_is_measured_comes_from_right_to_left_so_that_order_names_no_landmark():
     bearings = [m.bearing for m in SimulatedNao(pose=Pose(0.8, 0, 0)).sense()]
     assert bearings == sorted(bearings)
 
@@ -108,6 +107,10 @@ def test_a_walk_scatters_by_the_stated_metres_and_radians_after_one_metre_and_on
     wanted = [0.06 * way**0.5, 0.04 * way**0.5, (0.08**2 * way + 0.12**2 * turned) ** 0.5]  # m, m, rad
     assert ends.std(axis=0) == pytest.approx(wanted, rel=0.05)
     assert np.sqrt(np.diag(noise.covariance(Motion(distance, turn)))) == pytest.approx(wanted)
+    steps = [Motion(distance / 10, turn / 10)] * 10
+    many = repeat_drive(steps, 4000, np.random.default_rng(8), OdometryNoise(0.06, 0.04, 0.0, 0.0))[:, -1]
+    if not turn:
+        assert many[:, :2].std(axis=0) == pytest.approx(wanted[:2], rel=0.08)
 
 
 def test_what_a_post_hides_is_not_measured():
@@ -120,12 +123,6 @@ def test_what_a_post_hides_is_not_measured():
     ]
     assert (0.0, 1.0) in seen  # the post itself, straight ahead
     assert (0.0, 1.4) not in seen  # the corner behind it
-
-
-def test_many_short_steps_scatter_like_one_long_walk(rng):
-    long = repeat_drive([Motion(2.0)], 4000, rng, OdometryNoise(0.05, 0.04, 0.0, 0.0))[:, -1]
-    short = repeat_drive([Motion(0.1)] * 20, 4000, rng, OdometryNoise(0.05, 0.04, 0.0, 0.0))[:, -1]
-    assert np.allclose(long[:, :2].std(axis=0), short[:, :2].std(axis=0), rtol=0.08)
 
 
 def test_twenty_robots_drive_as_one_does(rng):
@@ -141,7 +138,7 @@ def test_twenty_robots_drive_as_one_does(rng):
     assert np.allclose(np.mean(ends, axis=0), together.mean(axis=0), atol=0.02)
 
 
-def test_the_robot_does_not_know_how_its_body_leaned():
+def test_the_robot_does_not_know_how_its_body_tilts_by_the_stated_deviation():
     nao = SimulatedNao(rng=3)
     pictures = [nao.take_picture() for _ in range(2)]
     assert pictures[0].view == pictures[1].view
@@ -149,9 +146,6 @@ def test_the_robot_does_not_know_how_its_body_leaned():
     true_view = Truth(nao).picture.view
     assert true_view.roll != 0
     assert true_view.pitch != pictures[1].view.pitch
-
-
-def test_tilt_has_the_stated_deviation():
     nao = SimulatedNao(rng=0, tilt=TorsoTilt(0.02, 0.01))
     views = [nao._true_view("bottom", (320, 240)) for _ in range(3000)]
     assert np.std([v.pitch for v in views]) == pytest.approx(0.02, rel=0.05)
@@ -198,19 +192,14 @@ def test_the_robot_stops_at_the_edge_of_the_carpet_and_its_odometry_does_not_not
     assert nao.odometry.x == 9.0
 
 
-def test_a_picture_taken_while_walking_is_smeared_and_one_standing_is_not():
+def test_a_picture_taken_while_walking_is_smeared_by_a_sway_about_all_three_axes(monkeypatch):
     def sharpness(walking, motion=1.0):
-        nao = SimulatedNao(
-            **(EXACT | {"reality": Reality(**dict.fromkeys(Reality.effects(), 0.0) | {"motion": motion})})
-        )
+        nao = SimulatedNao(**(EXACT | {"reality": replace(Reality.clean(), motion=motion)}))
         pictures = [nao.take_picture(walking=walking).pixels.astype(float) for _ in range(5)]
         return np.mean([np.abs(np.diff(p, axis=0)).max(axis=0).mean() for p in pictures])
 
     assert sharpness(True) < 0.95 * sharpness(False)
     assert sharpness(True, motion=0.0) == sharpness(False)
-
-
-def test_the_head_sways_about_all_three_axes_while_the_robot_walks(monkeypatch):
     sways = []
     monkeypatch.setattr(module, "render", lambda *given: (sways.append(given[-1]), None)[1] or render(*given))
     nao = SimulatedNao(rng=1)
@@ -237,14 +226,11 @@ def test_a_moved_field_takes_its_robot_along():
         (lambda nao: SimulatedNao(rng="seven"), "rng must be"),
         (lambda nao: nao.take_picture("left"), r"camera must be one of \['bottom', 'top'\], got 'left'"),
         (lambda nao: nao.take_picture(size=(0, 0)), r"size must be \(width, height\)"),
-        (lambda nao: nao.take_picture(size=(100000, 100000)), "1 to 8192"),
         (lambda nao: nao.look(0, 1.0), r"head pitch must be within .* got 1.000"),
         (lambda nao: nao.look(np.inf, 0), "head yaw"),
         (lambda nao: nao.walk(np.nan), r"distance \(m\) must be a finite number"),
-        (lambda nao: nao.walk("far"), "distance .m. must be a number"),
         (lambda nao: nao.walk(50), "within -10..10 m"),
         (lambda nao: nao.turn(90), r"turn\(np.radians\(90\)\)"),
-        (lambda nao: nao.sense(camera="front"), "camera must be one of"),
         (lambda nao: nao.sense(max_range=0), "max_range must be positive"),
         (lambda nao: TorsoTilt(pitch=-1), "TorsoTilt: pitch must be 0 .none. or more"),
         (lambda nao: OdometryNoise(along=np.nan), "OdometryNoise: along must be a finite number"),
@@ -254,12 +240,4 @@ def test_what_cannot_be_done_is_refused_with_what_was_expected(do, says):
     nao = SimulatedNao()
     with pytest.raises(ValueError, match=says):
         do(nao)
-    assert nao.odometry == Pose()
-
-
-def test_a_refused_head_angle_leaves_the_head_where_it_was():
-    nao = SimulatedNao()
-    before = nao.head
-    with pytest.raises(ValueError, match="joint"):
-        nao.look(0.1, 1.5)
-    assert nao.head == before
+    assert nao.odometry == Pose() and nao.head == SimulatedNao().head

@@ -1,6 +1,6 @@
 """Every strength of an effect can be rendered, or is refused with the limits stated."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,9 +39,7 @@ def test_more_than_that_is_refused_with_the_limit(name):
 
 
 @pytest.mark.parametrize("name", Reality.effects())
-@pytest.mark.parametrize(
-    "value", [-1, -1e-9, np.nan, np.inf, -np.inf, "much", "1", True, None, [0.5, 0.5], 1j]
-)
+@pytest.mark.parametrize("value", [-1e-9, np.nan, np.inf, "much", True, None, [0.5, 0.5], 1j])
 def test_what_is_no_strength_is_refused(name, value):
     with pytest.raises(ValueError, match=f"Reality: {name} must be"):
         Reality(**{name: value})
@@ -59,11 +57,7 @@ def test_what_is_no_seed_is_refused(seed):
 def test_a_whole_number_of_any_type_is_the_same_seed(seed):
     assert Reality(seed=seed) == Reality(seed=3)
     assert type(Reality(seed=seed).seed) is int
-
-
-def test_every_strength_is_a_float_whatever_it_was_given_as():
-    reality = Reality(grain=8, noise=np.float32(1.5), motion=np.int64(1))
-    assert all(type(getattr(reality, each.name)) is float for each in fields(Reality) if each.name != "seed")
+    assert type(Reality(grain=seed).grain) is float
 
 
 def test_a_robot_that_shakes_as_much_as_is_allowed_takes_pictures():

@@ -47,7 +47,7 @@ def test_two_calls_give_the_same_bytes_and_the_sets_share_no_picture(sets):
     assert len(set(poses)) == 60
 
 
-def test_no_set_shares_a_room_with_another_whatever_their_seeds(realities):
+def test_no_set_shares_a_room_with_another_and_paper_lies_on_the_whole_field_alone(realities):
     rooms = {}
     for which, seed in product(("tune", "report", "whole_tune", "whole"), range(2)):
         realities.clear()
@@ -57,24 +57,6 @@ def test_no_set_shares_a_room_with_another_whatever_their_seeds(realities):
         assert (len(seeds), len(set(seeds))) == ((60, 10) if "whole" in which else (30, 5))
     every = [room for seeds in rooms.values() for room in set(seeds)]
     assert len(every) == len(set(every)) == 60
-
-
-def test_the_whole_field_is_seen_from_both_halves_to_all_sides_and_its_two_sets_share_no_place():
-    one, other = (standard_scenes(which, (8, 6), Reality.clean()) for which in ("whole_tune", "whole"))
-    assert not {s.truth.pose for s in one} & {s.truth.pose for s in other}
-    for scenes in (one, other):
-        x, y, heading = np.array([s.truth.pose.as_array() for s in scenes]).T
-        assert x.min() < -2.0
-        assert x.max() > 2.0
-        assert np.abs(y).max() > 1.5
-        assert np.abs(np.mean(np.exp(1j * heading))) < 0.3
-        seen = [m.landmark.x for s in scenes for m in s.truth.landmarks]
-        assert min(seen) == -3.0
-        assert max(seen) == 3.0
-        assert any(not s.truth.landmarks for s in scenes)
-
-
-def test_paper_lies_on_the_whole_field_and_on_no_other_set(realities):
     papered = {}
     for which in ("tune", "report", "whole_tune", "whole"):
         realities.clear()
@@ -83,15 +65,24 @@ def test_paper_lies_on_the_whole_field_and_on_no_other_set(realities):
     assert papered == {"tune": {False}, "report": {False}, "whole_tune": {True}, "whole": {True}}
 
 
-def test_a_set_shows_as_many_corners_as_the_real_pictures_do(sets):
+def test_the_whole_field_is_seen_from_both_halves_to_all_sides_and_its_two_sets_share_no_place():
+    one, other = (standard_scenes(which, (8, 6), Reality.clean()) for which in ("whole_tune", "whole"))
+    assert not {s.truth.pose for s in one} & {s.truth.pose for s in other}
+    for scenes in (one, other):
+        x, y, heading = np.array([s.truth.pose.as_array() for s in scenes]).T
+        assert x.min() < -2.0 and x.max() > 2.0 and np.abs(y).max() > 1.5
+        assert np.abs(np.mean(np.exp(1j * heading))) < 0.3
+        seen = [m.landmark.x for s in scenes for m in s.truth.landmarks]
+        assert (min(seen), max(seen)) == (-3.0, 3.0)
+        assert any(not s.truth.landmarks for s in scenes)
+
+
+def test_a_set_shows_as_many_corners_as_real_pictures_and_the_body_leans(sets):
     for scenes in sets.values():
         # 128 marked on 64 pictures, 94 on 30
         assert 1.6 <= np.mean([len(corners(s)) for s in scenes]) <= 3.4
         assert all(any(m.landmark.kind != "cross" for m in s.truth.landmarks) for s in scenes)
         assert np.mean([(s.truth.labels == GREEN).mean() for s in scenes]) == pytest.approx(0.6, abs=0.1)
-
-
-def test_the_robot_does_not_know_how_its_body_leaned(sets):
     lean = [s.truth.view.pitch - s.view.pitch for s in sets["tune"]]
     assert 0.5 < np.degrees(np.std(lean)) < 1.6
     usual = standard_scene("tune", 0)
@@ -105,7 +96,7 @@ def test_places_depend_neither_on_size_nor_on_how_real_the_picture_is(sets):
         assert other[0].pixels.shape == (60, 80, 3)
 
 
-def test_another_seed_gives_other_places():
+def test_another_seed_gives_other_places_and_another_name_is_refused():
     one, other = (standard_scenes("report", SMALL, Reality.clean(seed)) for seed in (0, 1))
     assert not {s.truth.pose.as_array().tobytes() for s in one} & {
         s.truth.pose.as_array().tobytes() for s in other

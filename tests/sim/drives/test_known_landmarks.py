@@ -35,13 +35,10 @@ def test_errors_are_the_draws_times_the_deviations(draw_unseen):
         assert np.allclose(seen - exact, drawn * deviations)
 
 
-def test_measured_bearings_are_wrapped():
+def test_measured_bearings_are_wrapped_and_covariances_are_those_of_each_measurement():
     behind, draws = np.array([[np.pi - 0.01, 1.0]]), np.array([[1.0, 0.0]])
     for noise in (Sigmas(bearing=0.02), SensorNoise(0.02)):
         assert noise.disturbed(behind, draws)[0, 0] == pytest.approx(-np.pi + 0.01)
-
-
-def test_covariances_are_those_of_each_measurement():
     seen, sensor = np.array([(0.1, 1.0), (-0.3, 2.0)]), SensorNoise()
     assert np.allclose(sensor.covariances(seen), [sensor.covariance(Measurement(*row)) for row in seen])
     assert Sigmas().covariances(seen).tolist() == 2 * [Sigmas().measurement_covariance.tolist()]
@@ -50,6 +47,8 @@ def test_covariances_are_those_of_each_measurement():
         == Sigmas().covariances(np.zeros((0, 2))).shape
         == (0, 2, 2)
     )
+    assert Sigmas().scaled("turn", 2) == Sigmas(turn=0.2)
+    assert Sigmas(1, 2, 3, 4, 5).times(2) == Sigmas(2, 4, 6, 8, 10)
 
 
 def test_without_noise_the_true_path_is_as_commanded_and_with_noise_it_scatters_as_stated():
@@ -69,8 +68,3 @@ def test_a_drive_begins_at_its_start_without_a_command():
     assert drive.poses.tolist() == [[1.0, 2.0, 0.3], [1.0, 1.0, 1.0]]
     assert drive.controls.tolist() == [[0.2, 0.1]] and start.control.tolist() == [0.0, 0.0]
     assert Drive(LANDMARKS, (start,)).controls.shape == (0, 2)
-
-
-def test_sigmas_are_multiplied_one_or_all():
-    assert Sigmas().scaled("turn", 2) == Sigmas(turn=0.2)
-    assert Sigmas(1, 2, 3, 4, 5).times(2) == Sigmas(2, 4, 6, 8, 10)

@@ -44,16 +44,13 @@ def test_known_landmarks_correct_the_state_before_new_ones_are_added(functions, 
     assert slam.known == [7, 3, 5]
 
 
-def test_the_estimate_has_each_landmarks_kind_and_own_covariance(functions):
+def test_the_estimate_has_each_landmarks_kind_and_covariance_and_a_copy_goes_on_by_itself(functions):
     slam = NamedEkf(Pose(1.0, 2.0, 0.5), *functions)
     slam.observe([1, 0], np.array([(0.1, 1.0), (0.2, 2.0)]), np.zeros((2, 2, 2)))
     estimate = slam.estimate(("corner", "post"))
     assert estimate.kinds == ("post", "corner") and estimate.pose == Pose(1.0, 2.0, 0.5)
     assert estimate.landmarks.tolist() == [[0.1, 1.0], [0.2, 2.0]]
     assert estimate.landmark_covariances.tolist() == 2 * [(5 * np.eye(2)).tolist()]
-
-
-def test_a_copy_goes_on_by_itself(functions):
     slam = NamedEkf(Pose(), *functions)
     other = slam.copy()
     other.observe([4], np.ones((1, 2)), np.zeros((1, 2, 2)))
