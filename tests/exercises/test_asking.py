@@ -12,9 +12,6 @@ from nao_course.exercises.exercise import PublicLesson, PublicQuestion
 WHY = PublicQuestion("why", "Why clamp?", {"Safety": "Yes.", "Speed": "It takes longer."}, "Safety")
 
 
-# Questions
-
-
 def test_every_choice_has_its_reply():
     for number, (choice, text) in enumerate(WHY.choices.items(), start=1):
         sign = "✔ Right." if choice == WHY.right else "✘ Not quite."
@@ -42,9 +39,6 @@ def test_a_question_is_text_where_no_widget_lives():
     assert "Not quite" in repr(check.question("why", 2))
 
 
-# Predictions
-
-
 @pytest.fixture
 def ask_for(request):
     """A prediction that no other test asks for."""
@@ -64,23 +58,8 @@ def test_no_reply_says_twice_that_it_is_right(own):
     assert repr(reply(question, "Not")) == "✘ Not quite. The right half is missing."
 
 
-def test_a_prediction_that_came_true_is_not_said_twice():
-    guess = Prediction("How many?", "eigenvalues")
-    guess.write("3")
-    assert repr(guess.beside(3)) == "You predicted 3 eigenvalues, and so it is."
-
-
 @pytest.mark.parametrize(
-    ("typed", "value"),
-    [
-        ("0.5", 0.5),
-        (" 0.5 m ", 0.5),
-        ("0,5 metres", 0.5),
-        ("-3m", -3.0),
-        ("−3", -3.0),
-        ("1e-2", 0.01),
-        (4, 4.0),
-    ],
+    ("typed", "value"), [(" 0.5 m ", 0.5), ("0,5 metres", 0.5), ("−3", -3.0), ("1e-2", 0.01), (4, 4.0)]
 )
 def test_a_number_is_taken_with_its_unit_or_without(ask_for, typed, value):
     guess = ask_for(unit="m")
@@ -93,7 +72,6 @@ def test_a_number_is_taken_with_its_unit_or_without(ask_for, typed, value):
     [
         ("", "a guess is enough"),
         ("asdf", "'asdf' is not a number in m"),
-        ("about 2", "is not a number in m"),
         ("nan", "is not a number in m"),
         ("1 2", "is not a number in m"),
         ("50 cm", "'50 cm' has another unit"),
@@ -143,26 +121,24 @@ def test_what_came_out_stands_beside_the_prediction(ask_for, unit, measured, sai
     ("unit", "said"),
     [
         ("particles", "1 particle"),
-        ("landmarks", "1 landmark"),
         ("degrees", "1 degree"),
         ("m", "1 m"),
-        ("s", "1 s"),
         ("ms", "1 ms"),
         ("%", "1 %"),
         ("°", "1°"),
-        ("", "1"),
-    ],
+    ]
+    + [("", "1")],
 )
-def test_one_is_said_in_the_singular(ask_for, unit, said):
+def test_one_is_said_in_the_singular_and_any_other_number_in_the_plural(ask_for, unit, said):
     guess = ask_for(unit=unit)
     guess.write(said)  # it may be typed like that, too
     assert repr(guess.beside(2)).startswith(f"You predicted {said}; it is 2")
-    assert repr(Prediction("How many?", unit).beside(np.int64(1))).startswith(
-        f"You wrote no prediction: it is {said}. "
-    )
+    assert repr(guess.beside(1)) == f"You predicted {said}, and so it is."
+    alone = Prediction("How many?", unit).beside(np.int64(1))
+    assert repr(alone).startswith(f"You wrote no prediction: it is {said}. ")
 
 
-def test_any_other_number_is_said_in_the_plural(ask_for):
+def test_half_of_a_thing_is_said_in_the_plural(ask_for):
     guess = ask_for(unit="particles")
     guess.write("0.5")
     assert repr(guess.beside(0)) == "You predicted 0.5 particles; it is 0 particles."
@@ -209,8 +185,8 @@ def test_enter_writes_what_stands_in_the_field(ask_for):
     guess = ask_for(unit="m")
     field, _, said = shown(guess)
     assert not field.continuous_update  # so that a change is Enter, or leaving the field
-    field.value = "far"
-    assert "is not a number in m" in said.value
+    field.value = "<b>far</b>"
+    assert "is not a number in m" in said.value and "<b>" not in said.value
     field.value = "2"
     assert guess.value == 2.0
     assert "You predicted 2 m. Now" in said.value
@@ -225,12 +201,4 @@ def test_the_button_writes_too_and_the_field_is_closed_when_the_result_is_there(
     assert not field.disabled
     guess.beside("a")
     assert "You predicted b; it is a." in said.value
-    assert field.disabled
-    assert button.disabled
-
-
-def test_a_prediction_is_safe_to_show(ask_for):
-    guess = ask_for(unit="m")
-    field, _, said = shown(guess)
-    field.value = "<b>2</b>"
-    assert "<b>" not in said.value
+    assert field.disabled and button.disabled

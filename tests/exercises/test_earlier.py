@@ -49,11 +49,15 @@ def of(lessons, name):
     return next(each for each in lessons[pair.SECOND].exercises if each.name == name)
 
 
-def own(folder, **first):
+def loaded(folder):
+    return load_definitions(folder / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(folder))
+
+
+def own(folder, second=None, **first):
     """The second lesson's functions, beside some of the first."""
     pair.write(folder / f"{pair.FIRST}.ipynb", pair.FIRST, first)
-    path = pair.write(folder / f"{pair.SECOND}.ipynb", pair.SECOND)
-    return load_definitions(path, earlier=student.earlier_in(folder))
+    pair.write(folder / f"{pair.SECOND}.ipynb", pair.SECOND, second)
+    return loaded(folder)
 
 
 def test_calls_of_the_reference_are_recorded_once_each_with_plain_values(lessons):
@@ -95,27 +99,19 @@ def test_a_check_goes_on_with_recorded_answers_and_says_so(tmp_path, lessons, so
     assert str(shown).startswith("double of your lesson 80 is not usable yet")
 
 
-def test_where_an_exercise_of_the_same_lesson_is_at_fault_it_is_named(tmp_path, lessons):
-    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
-    pair.write(
-        tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND, {"quadruple": "def quadruple(x):\n    return 3 * x"}
-    )
+def test_where_an_exercise_of_the_same_lesson_is_at_fault_it_is_named_unless_it_is_not_called(
+    tmp_path, lessons
+):
+    wrong = {"quadruple": "def quadruple(x):\n    return 3 * x"}
+    mine = own(tmp_path, wrong)
     reason = "It uses quadruple, which does not pass its own check: correct quadruple first."
-    found = student.functions(pair.SECOND, tmp_path)
-    said = {report.name: report.lines for report in found.reports}
+    said = {report.name: report.lines for report in student.functions(pair.SECOND, tmp_path).reports}
     assert said["walk"][-1] == said["Walker"][-1] == reason and reason not in said["quadruple"]
-    own = load_definitions(tmp_path / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(tmp_path))
     check = checking.Checks(lessons[pair.SECOND])
-    assert check("walk", own["walk"]).lines[-1] == check("Walker", own["Walker"]).lines[-1] == reason
-    assert len(check("alone", own["alone"]).lines) == 2
-
-
-def test_an_exercise_that_the_students_function_does_not_call_is_not_named(tmp_path, lessons):
-    wrong = {"quadruple": "def quadruple(x):\n    return 3 * x", "walk": "def walk(x):\n    return -1.0"}
-    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
-    pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND, wrong)
-    own = load_definitions(tmp_path / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(tmp_path))
-    report = checking.Checks(lessons[pair.SECOND])("walk", own["walk"])
+    assert check("walk", mine["walk"]).lines[-1] == check("Walker", mine["Walker"]).lines[-1] == reason
+    assert len(check("alone", mine["alone"]).lines) == 2
+    calls_none = own(tmp_path, wrong | {"walk": "def walk(x):\n    return -1.0"})
+    report = checking.Checks(lessons[pair.SECOND])("walk", calls_none["walk"])
     assert not report and "which does not pass its own check" not in repr(report)
 
 
@@ -148,12 +144,14 @@ def test_recorded_calls_are_found_by_name_and_but_for_rounding(lessons):
 
 
 def test_what_a_recorded_answer_is_changed_to_is_not_answered_again():
-    calls = [checking.PublicExercise, np.ones(2)]
-    recorded = [EarlierCall("80:ones", ["n"], {"n": 2}, calls[1])]
+    recorded = [EarlierCall("80:ones", ["n"], {"n": 2}, np.ones(2))]
     ones = stand_in("80:ones", not_usable("80:ones"))
     with watching(recorded):
         ones(2)[:] = 7
         assert ones(2).tolist() == [1.0, 1.0]
+    double = stand_in("80:double", not_usable("80:double"))
+    with watching([EarlierCall("80:halve", ["x"], {"x": 1.5}, 0.75)]), pytest.raises(EarlierNotUsable):
+        double(1.5)
 
 
 def test_a_recorded_call_is_what_was_asked_for_and_answered_then():
@@ -169,12 +167,6 @@ def test_a_recorded_call_is_what_was_asked_for_and_answered_then():
     first, second = calls.made  # what an earlier function calls itself is none
     assert (first.use, second.use) == ("80:fill", "80:twice")
     assert first.given["values"].tolist() == [0, 0] and first.answer.tolist() == [7, 7]
-
-
-def test_the_recorded_answer_of_another_function_is_none():
-    double = stand_in("80:double", not_usable("80:double"))
-    with watching([EarlierCall("80:halve", ["x"], {"x": 1.5}, 0.75)]), pytest.raises(EarlierNotUsable):
-        double(1.5)
 
 
 DOCUMENTED = '''def double(x, *, times=2):
@@ -218,20 +210,25 @@ def test_what_stands_for_nothing_that_can_be_read_has_its_name_and_takes_anythin
     assert double.__doc__ == "This is double of your lesson 80." and double.__name__ == "double"
 
 
-def test_a_wrong_class_is_not_handed_on(tmp_path, capsys):
+def test_a_class_is_handed_on_itself_unless_it_is_wrong(tmp_path, capsys):
     pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"Counter": "class Counter: pass"})
     with pytest.raises(EarlierNotUsable):
         student.earlier("80:Counter", tmp_path)()
+    found = own(tmp_path)
+    assert isinstance(found.namespace["Counter"], type) and found["tally"](2.0) == 3.0
+    counter = stand_in("80:Counter", not_usable("80:Counter", "why."))
+    with pytest.raises(EarlierNotUsable, match="Counter of your lesson 80 is not usable yet: why"):
+
+        class Heir(counter):
+            pass
 
 
 UNPACKS = "def double(x):\n    if isinstance(x, list):\n        first, second = x\n    return 2 * x"
 
 
 def test_an_error_inside_an_earlier_function_is_told_as_such_with_the_line_that_calls_it(tmp_path, lessons):
-    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": UNPACKS})
     source = "def quadruple(x):\n    y = [x, x, x]\n    return double(y)"
-    pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND, {"quadruple": source})
-    found = load_definitions(tmp_path / f"{pair.SECOND}.ipynb", earlier=student.earlier_in(tmp_path))
+    found = own(tmp_path, {"quadruple": source}, double=UNPACKS)
     report = grade_public(of(lessons, "quadruple"), found["quadruple"])
     assert report.lines[0].endswith(
         "your function raises ValueError: too many values to unpack (expected 2) (inside double of your lesson 80)."
@@ -244,25 +241,9 @@ def test_an_error_inside_an_earlier_function_is_told_as_such_with_the_line_that_
     assert tried.message.startswith(
         "ValueError in quadruple(), line 3, inside double of your lesson 80: too many"
     )
-
-
-def test_a_slip_in_calling_an_earlier_function_is_ones_own(tmp_path):
     found = own(tmp_path, double="def double(x):\n    return x + x").namespace["double"]
     error = call(lambda: found(1, 2), Case(()))
     assert "inside" not in error.text and "takes 1 positional argument" in error.text
-
-
-def test_a_class_is_handed_on_itself(tmp_path):
-    found = own(tmp_path)
-    assert isinstance(found.namespace["Counter"], type) and found["tally"](2.0) == 3.0
-
-
-def test_why_a_class_cannot_be_derived_from_one_that_is_not_usable_is_said():
-    counter = stand_in("80:Counter", not_usable("80:Counter", "why."))
-    with pytest.raises(EarlierNotUsable, match="Counter of your lesson 80 is not usable yet: why"):
-
-        class Heir(counter):
-            pass
 
 
 def test_the_set_up_cell_binds_what_was_saved_and_names_what_there_is_not(tmp_path, capsys):
@@ -289,27 +270,19 @@ def test_student_functions_work_with_earlier_ones(tmp_path):
     assert "quadruple" in student.functions(pair.SECOND, tmp_path)
 
 
-def test_lessons_that_use_each_other_come_to_an_end(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("used", "name", "many"), [("81:quadruple", "Counter", 2), ("80:double", "double", 1)]
+)
+def test_lessons_that_use_each_other_or_themselves_come_to_an_end(used, name, many, tmp_path, monkeypatch):
     loads, real = [], student.load_definitions
     monkeypatch.setattr(
         student, "load_definitions", lambda path, **more: loads.append(path) or real(path, **more)
     )
-    loop = ("setup", "double = earlier('81:quadruple')")
-    toy.write(tmp_path / f"{pair.FIRST}.ipynb", loop, ("solution", "def Counter(): return double(1)"))
+    loop = (("setup", f"mine = earlier('{used}')"), ("solution", f"def {name}(): return mine(1)"))
+    toy.write(tmp_path / f"{pair.FIRST}.ipynb", *loop)
     pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND)
-    assert "alone" in student.functions(pair.SECOND, tmp_path)
-    assert len(loads) == 2
-
-
-def test_a_lesson_that_uses_itself_comes_to_an_end(tmp_path, monkeypatch):
-    loads, real = [], student.load_definitions
-    monkeypatch.setattr(
-        student, "load_definitions", lambda path, **more: loads.append(path) or real(path, **more)
-    )
-    itself = ("setup", "mine = earlier('80:double')")
-    toy.write(tmp_path / f"{pair.FIRST}.ipynb", itself, ("solution", "def double(x): return mine(x)"))
-    assert not student.functions(pair.FIRST, tmp_path)
-    assert len(loads) == 1
+    found = student.functions(pair.SECOND if many == 2 else pair.FIRST, tmp_path)
+    assert ("alone" in found) is (many == 2) and len(loads) == many
 
 
 def test_only_a_plain_assignment_in_the_released_set_up_cell_counts(tmp_path):
@@ -317,20 +290,16 @@ def test_only_a_plain_assignment_in_the_released_set_up_cell_counts(tmp_path):
         return assigned_use(ast.parse(source).body[0])
 
     assert use("f = earlier('01:f')") == use("f = student.earlier('01:f')") == ("f", "01:f")
-    for other in (
-        "f = g('01:f')",
-        "f, g = earlier('01:f')",
-        "earlier('01:f')",
-        "f = earlier(x)",
-        "f = earlier('a', 1)",
-    ):
-        assert use(other) is None
+    for given in ("g('01:f')", "earlier(x)", "earlier('a', 1)"):
+        assert use(f"f = {given}") is None
+    assert use("earlier('01:f')") is use("f, g = earlier('01:f')") is None
     path = toy.write(tmp_path / "81_x.ipynb", ("setup", "f = earlier('80:mine')"), "f")
     assert load_definitions(path, earlier=lambda use: use).namespace["f"] == "80:mine"
     released = load_definitions(path, setup="f = earlier('80:theirs')", earlier=lambda use: use)
     assert released.namespace["f"] == "80:theirs"
     failing = load_definitions(path, earlier=lambda use: 1 / 0)
     assert "ZeroDivisionError" in failing.skipped[0].reason
+    assert split_use("1:f") == split_use("01_hsl:f") == ("01", "f")
 
 
 def test_a_class_is_defined_in_the_place_of_the_students(tmp_path):
@@ -341,10 +310,6 @@ def test_a_class_is_defined_in_the_place_of_the_students(tmp_path):
     assert found["f"]() is False and found["B"].mine is False and list(found)[:2] == ["A", "B"]
     missing = load_definitions(path, instead={"C": "class C(B): pass"})
     assert missing["C"].mine is True and missing["f"]() is True
-
-
-def test_an_earlier_lesson_is_named_by_its_number():
-    assert split_use("1:f") == split_use("01_hsl:f") == ("01", "f")
 
 
 def test_in_a_declaration_an_earlier_function_is_the_references(tmp_path):

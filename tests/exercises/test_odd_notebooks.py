@@ -32,16 +32,13 @@ def text(source):
 
 
 def without(*keys):
-    return lambda own, blank, rng: [
-        {
-            key: {} if key == "metadata" else value
-            for key, value in cell.items()
-            if key not in keys or key == "metadata"
-        }
-        if "metadata" in keys
-        else {key: value for key, value in cell.items() if key not in keys}
-        for cell in own
-    ]
+    """Leave out keys of every cell; its metadata are only emptied."""
+
+    def changed(own, blank, rng):
+        ids = [{key: value for key, value in cell.items() if key not in keys or key != "id"} for cell in own]
+        return [cell | ({"metadata": {}} if "metadata" in keys else {}) for cell in ids]
+
+    return changed
 
 
 def one_without_metadata(own, blank, rng):
@@ -85,14 +82,8 @@ def names_used_again(own, blank, rng):
     names = sorted(
         each for cell in own for each in [cell["metadata"].get("nbgrader", {}).get("grade_id", "")] if each
     )
-    return own + [
-        code(
-            rng.choice(
-                [f"{name} = 3", f"for {name} in range(2): pass", f"import math as {name}", f"del {name}"]
-            )
-        )
-        for name in names
-    ]
+    uses = ("{} = 3", "for {} in range(2): pass", "import math as {}", "del {}")
+    return own + [code(rng.choice(uses).format(name)) for name in names]
 
 
 MESS = {
@@ -175,13 +166,16 @@ def test_a_definition_in_a_text_cell_is_named(kind, metadata, read):
     assert f"{TEXTS[kind]} cell" in found.remarks[EXERCISE][0]
 
 
+def own_text():
+    cells, at = changed(EXERCISE, role="")
+    return source_of(cells[at])
+
+
 @pytest.mark.parametrize(
     "magic", ["%%writefile f.py", "%%debug", "%%python3", "%%html", "%%script bash", "%%bash"]
 )
 def test_a_definition_under_another_magic_is_named(magic, read):
-    own = next(
-        source_of(cell) for cell in cells_of("solutions", LESSON) if cell["id"] == f"lesson01-{EXERCISE}"
-    )
+    own = own_text()
     found = read(LESSON, changed(EXERCISE, source=f"{magic}\n{own}")[0])
     assert EXERCISE not in found
     assert magic.split()[0] in found.remarks[EXERCISE][0]
@@ -189,9 +183,7 @@ def test_a_definition_under_another_magic_is_named(magic, read):
 
 @pytest.mark.parametrize("between", ["", " ", "\n"])
 def test_a_doubled_text_counts_or_is_named(between, read):
-    own = next(
-        source_of(cell) for cell in cells_of("solutions", LESSON) if cell["id"] == f"lesson01-{EXERCISE}"
-    )
+    own = own_text()
     found = read(LESSON, changed(EXERCISE, source=own + between + own)[0])
     assert EXERCISE in found or "contains its text twice" in found.skipped[-1].reason
 
@@ -199,43 +191,46 @@ def test_a_doubled_text_counts_or_is_named(between, read):
 ANSWER = "It is one pixel."
 
 
+BLANK = "*Write your answer here: double-click this text.*"
+OWN = {
+    "in a string": code(f'"""{ANSWER}"""'),
+    "in a print": code(f'print("{ANSWER}")'),
+    "in a variable": code(f'answer = "{ANSWER}"'),
+    "in a cell": text(ANSWER),
+}
+
+
 def answered(how):
-    blank = "*Write your answer here: double-click this text.*"
     match how:
         case "in a raw cell" | "in a code cell":
             return changed(QUESTION, cell_type=how.split()[2], source=ANSWER)[0]
         case "in a code cell without metadata":
             return changed(QUESTION, cell_type="code", source=ANSWER, metadata={})[0]
         case "with the blank sentence":
-            return changed(QUESTION, source=f"{ANSWER}\n\n{blank}")[0]
+            return changed(QUESTION, source=f"{ANSWER}\n\n{BLANK}")[0]
         case "in place of a deleted cell":
             cells, at = changed(QUESTION)
             return [*cells[:at], text(ANSWER), *cells[at:]]
         case "below the question":
-            cells, at = changed(QUESTION, source=blank)
+            cells, at = changed(QUESTION, source=BLANK)
             cells[at - 1] = cells[at - 1] | {"source": source_of(cells[at - 1]) + f"\n\n{ANSWER}"}
             return cells
-    cells, at = changed(QUESTION, source=blank)
-    written = {"string": f'"""{ANSWER}"""', "print": f'print("{ANSWER}")', "variable": f'answer = "{ANSWER}"'}
-    new = next((code(source) for word, source in written.items() if word in how), text(ANSWER))
-    at += "below" in how
-    return [*cells[:at], new, *cells[at:]]
+    cells, at = changed(QUESTION, source=BLANK)
+    own, place = how.rsplit(" ", 1)
+    at += place == "below"
+    return [*cells[:at], OWN[own], *cells[at:]]
 
 
 @pytest.mark.parametrize(
     "how",
     [
-        "in a raw cell",
-        "in a code cell",
-        "in a code cell without metadata",
-        "with the blank sentence",
-        "in place of a deleted cell",
-        "below the question",
-        "in a cell below the blank one",
-        "in a cell above the blank one",
-        "in a string below the blank one",
-        "in a print below the blank one",
-        "in a variable below the blank one",
+        *("in a raw cell", "in a code cell", "in a code cell without metadata", "with the blank sentence"),
+        *(
+            "in place of a deleted cell",
+            "below the question",
+            "in a cell above",
+            *(f"{own} below" for own in OWN),
+        ),
     ],
 )
 def test_a_written_answer_is_found(how, read):
@@ -245,7 +240,7 @@ def test_a_written_answer_is_found(how, read):
 
 @pytest.mark.parametrize("notes", [text("My notes."), code("# My notes."), code("print('My notes.')")])
 def test_text_elsewhere_is_no_answer_but_is_mentioned(notes, read):
-    cells, _ = changed(QUESTION, source="*Write your answer here: double-click this text.*")
+    cells, _ = changed(QUESTION, source=BLANK)
     found = read(LESSON, [notes, *cells])
     assert not found.text.written[QUESTION]
     assert "none at this question" in found.remarks[QUESTION][0]
@@ -255,7 +250,6 @@ def test_text_elsewhere_is_no_answer_but_is_mentioned(notes, read):
 DEPENDS = {
     "while": "limits = []\nwhile len(limits) < 3:\n    limits.append(len(limits))",
     "sort": "limits = [2, 0, 1]\nlimits.sort()",
-    "clear": "limits = [5]\nlimits.clear()\nlimits += [0, 1, 2]",
     "del": "limits = [0, 1, 2, 3]\ndel limits[3]",
     "own function": "limits = []\ndef fill(it):\n    it.extend(range(3))\nfill(limits)",
     "own function with a global": "limits = []\n"
@@ -266,7 +260,6 @@ DEPENDS = {
     "main": "if __name__ == '__main__':\n    limits = [0, 1, 2]",
     "by way of another name": "first = [3, 2]\nfirst.reverse()\nlimits = [0, 1, first[0]]",
     "globals": "globals().update(limits=[0, 1, 2])",
-    "walrus": "(limits := [0, 1, 2])",
     "assert": "limits = [0, 1, 2, 3]\nassert limits.pop() == 3",
 }
 

@@ -75,9 +75,6 @@ def test_the_students_own_line_is_said_also_where_code_that_was_made_as_text_rai
     assert outcome.line == f"line {number}: {source.splitlines()[-1].strip()}"
 
 
-# --- time ---
-
-
 def endless():
     while True:
         pass

@@ -14,41 +14,26 @@ from nao_course.exercises import Case, call, try_out, trying
 from tests.paths import PROJECT
 
 
-def test_what_works_is_shown_as_it_is():
-    assert try_out(lambda: [1, 2]) == [1, 2]
+def raising(error):
+    def function():
+        raise error
 
-
-def test_an_unwritten_exercise_gets_its_sentence():
-    def unwritten():
-        raise NotImplementedError
-
-    assert repr(try_out(unwritten, "Finish exercise 0.1.")) == "Finish exercise 0.1."
+    return function
 
 
 def test_what_a_demonstration_could_not_make_is_said_again_where_it_is_needed():
-    def unwritten():
-        raise NotImplementedError
-
-    table = try_out(unwritten, "Finish exercise 0.1.")
+    table = try_out(raising(NotImplementedError), "Finish exercise 0.1.")
+    assert repr(table) == "Finish exercise 0.1."
     assert repr(try_out(lambda: trying.made(table)[0], "Finish exercise 0.2.")) == "Finish exercise 0.1."
     assert try_out(lambda: trying.made([7])[0]) == 7
 
 
-def test_an_error_is_named_and_escaped():
-    def broken():
-        raise ValueError("<script>alert(1)</script>")
-
-    message = try_out(broken)
+def test_an_error_is_named_and_escaped_and_an_interrupt_goes_through():
+    message = try_out(raising(ValueError("<script>alert(1)</script>")))
     assert repr(message).startswith("ValueError: <script>")
     assert "<script>" not in message._repr_html_()
-
-
-def test_an_interrupt_goes_through():
-    def interrupted():
-        raise KeyboardInterrupt
-
     with pytest.raises(KeyboardInterrupt):
-        try_out(interrupted)
+        try_out(raising(KeyboardInterrupt))
 
 
 def as_in_a_cell(source, number=3, **more):
@@ -93,15 +78,13 @@ def test_a_demonstration_that_never_ends_by_itself_is_stopped_at_last(monkeypatc
     assert said.startswith("Time is up: this was not done after 0.2 s, and was stopped in line ")
 
 
-def test_a_name_that_a_restarted_kernel_does_not_know_is_told_apart_from_a_slip_in_a_function():
+def test_an_unknown_name_comes_with_its_line_and_one_of_the_courses_with_its_import():
     def slip():
         value = value + 1  # noqa: F821, F841
 
     assert "'field' is not defined in this notebook yet (line " in repr(try_out(lambda: field))  # noqa: F821
     assert repr(try_out(slip)).startswith("UnboundLocalError")
 
-
-def test_an_unknown_name_inside_a_function_comes_with_its_line_and_one_of_the_courses_with_its_import():
     def typed():
         return thresh  # noqa: F821
 
@@ -134,16 +117,10 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_and_no_long_traceback(ca
                 "'try_out' is not defined in this notebook yet (line 1" in said
                 and "Run All Above Selected Cell" in said
             )
-            shell.run_cell("1 / 0")
-            assert (
-                "Traceback" in (said := capsys.readouterr().out)
-                and "is not defined in this notebook" not in said
-            )
-            shell.run_cell("def slip():\n    value = value + 1\nslip()")
-            assert (
-                "Traceback" in (said := capsys.readouterr().out)
-                and "is not defined in this notebook" not in said
-            )
+            for source in ("1 / 0", "def slip():\n    value = value + 1\nslip()"):
+                shell.run_cell(source)
+                said = capsys.readouterr().out
+                assert "Traceback" in said and "is not defined in this notebook" not in said
     finally:
         InteractiveShell.clear_instance()
 
@@ -165,7 +142,6 @@ def test_in_jupyter_each_unknown_name_gets_its_sentence_and_no_long_traceback(ca
         (lambda: np.zeros(3)[0:1.6], "The limits of a slice must be whole numbers"),
         (lambda: np.zeros(3)[np.array([0.5])], "Indices must be whole numbers"),
         (lambda: (lambda: 0).shape, "a function, not an array"),
-        (lambda: np.ones(2) ^ 2, "A power is written **"),
         (lambda: 1.5 ^ 2, "A power is written **"),
         (lambda: np.zeros(3) + np.zeros(2), "the position of a pose (x, y, theta) is pose[:2]"),
         (lambda: float(sympy.Symbol("x")), "SymPy symbols"),
@@ -185,7 +161,6 @@ WHOSE = {
     "import numpy as np\nnp = np.zeros(3)\ndef f(x):\n    return np.sin(x)": "the name np",
     "max = 3\ndef f(x):\n    return x + max(x, 3)": "the name max",
     "def f(x):\n    return x.integers(0, 9)": "in the order of the function's first line",
-    "y = 3\ndef f(x):\n    return x.integers(0, 9)": "in the order of the function's first line",
     "def f(x):\n    y = 3\n    return y.shape": "",
     "y = 3\ndef f(x):\n    return y.shape": "the name y",
 }

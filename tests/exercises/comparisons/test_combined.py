@@ -92,7 +92,7 @@ def test_a_law_is_not_asked_about_an_answer_far_larger_than_the_references(answe
     assert Property(symmetric).judge(case, np.eye(9))
 
 
-def test_a_law_cannot_change_the_case():
+def test_a_law_cannot_change_the_case_and_gets_an_array_where_the_answer_is_lists():
     def greedy(args, kwargs, answer):
         args[0][:] = 0
         return ""
@@ -100,6 +100,10 @@ def test_a_law_cannot_change_the_case():
     case = Case((np.ones(2),))
     assert Property(greedy).judge(case, 1.0)
     assert case.args[0].tolist() == [1, 1]
+    case = Case((), expected=np.eye(2))
+    assert Property(symmetric).judge(case, [[1.0, 2.0], [2.0, 1.0]])
+    assert Property(symmetric).judge(case, ([1.0, 2.0], [3.0, 1.0])).kind == "law"
+    assert Property(symmetric).judge(case, [[1.0, 2.0], [2.0]]).kind == "type"
 
 
 def test_all_comparisons_count_and_the_first_that_fails_is_told():
@@ -114,9 +118,6 @@ def test_all_comparisons_count_and_the_first_that_fails_is_told():
     assert not near.alike(wanted, wanted + [[0.0, 0.05], [0.0, 0.0]]), "only one does"
     for law in (All((Close(mask="diagonal"), Close())), All((Close(), Close(mask="diagonal")))):
         assert not law.alike(wanted, wanted - [[0.0, 1.0], [0.0, 0.0]])
-
-
-def test_what_a_case_brings_is_what_all_expect():
     case = Case((), expected=(0.0, 1.0))
     assert All((Property(symmetric), Between())).expects(case, 0.5) == (0.0, 1.0)
     assert All((Close(), Exact())).expects(case, 0.5) == 0.5
@@ -179,14 +180,12 @@ def test_as_few_as_can_be_are_without_a_partner():
     ("expected", "got", "kind"),
     [
         ([1.0], None, "nothing"),
-        ([1.0], 1.0, "type"),
         ([1.0], {"a": 1.0}, "type"),
         ({1: 1.0}, [1.0], "type"),
         (np.zeros((2, 3)), np.zeros((2, 2)), "shape"),
         (np.zeros((2, 3)), np.zeros((3, 3)), "value"),
         ([1.0], [nan], "value"),
         ([], [], "right"),
-        ([Line(1.0, "a"), Line(2.0, "b")], [Line(2.0, "b"), Line(1.0, "a")], "right"),
         ([Line(1.0, "a"), Line(2.0, "b")], [Line(2.0, "a"), Line(1.0, "b")], "value"),
     ],
 )
@@ -198,17 +197,9 @@ def test_what_is_no_collection_of_the_kind_is_told(expected, got, kind):
     "comparison",
     [
         All((Close(mask="upper"), Property(solves))),
-        Each({3: Between(), "kind": Exact()}),
         Each((Close(rtol=(0.1, 0.2)), Unordered())),
         Close(mask=((True, False), (False, True)), period=(0.0, 6.28)),
     ],
 )
 def test_a_comparison_travels_with_the_check_data(comparison):
     assert decode(encode(comparison)) == comparison
-
-
-def test_a_law_of_arrays_gets_an_array_where_the_answer_is_lists():
-    case = Case((), expected=np.eye(2))
-    assert Property(symmetric).judge(case, [[1.0, 2.0], [2.0, 1.0]])
-    assert Property(symmetric).judge(case, ([1.0, 2.0], [3.0, 1.0])).kind == "law"
-    assert Property(symmetric).judge(case, [[1.0, 2.0], [2.0]]).kind == "type"

@@ -18,9 +18,6 @@ def test_a_large_sparse_matrix_refuses_to_be_dense_and_does_everything_else():
     assert scipy.sparse.linalg.splu(guarded.tocsc()).solve(np.ones(1800)).sum() == 1800
     small = scipy.sparse.eye_array(4, format="coo")
     assert without_dense(small) is small
-
-
-def test_a_few_rows_and_columns_of_a_large_matrix_are_made_dense_as_ever():
     guarded = without_dense(scipy.sparse.diags_array(np.arange(1.0, 1801.0), format="csc"))
     some = np.array([3, 5])
     assert np.array_equal(guarded[some][:, some].toarray(), np.diag([4.0, 6.0]))

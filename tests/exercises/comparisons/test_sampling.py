@@ -37,32 +37,23 @@ def sample(values, n_samples, rng):
         (lambda v, n, rng: 2 * sample(v, n, rng), "the mean of your answers"),
         (lambda v, n, rng: None, "a return may be missing"),
         (lambda v, n, rng: [sample(v, n, rng)], "a list, not one number"),
-        (lambda v, n, rng: "text", "a str, not one number"),
+        (lambda v, n, rng: True, "your answer is a bool, not one number"),
     ],
 )
 def test_a_random_sample_is_judged_by_its_law(function, said):
     assert said in LAW.compare(law(sample), law(function)).text
 
 
-def test_noise_of_the_right_size_around_the_mean_is_not_a_sample():
+def test_noise_of_the_right_size_around_the_mean_is_not_a_sample_and_another_way_to_draw_it_is():
     def noisy(v, n, rng):
         return v.mean() + rng.normal(0, v.std() / np.sqrt(n))
 
-    for _ in range(3):
-        assert LAW.compare(law(sample), law(noisy)), "forty values have nearly a normal mean"
-    verdict = LAW.compare(law(sample_of_two, 1), law(noisy_two, 1))
+    assert LAW.compare(law(sample), law(noisy)), "forty values have nearly a normal mean"
+    verdict = LAW.compare(
+        law(lambda v, n, rng: float(rng.choice([0.0, 250.0], n).mean()), 1),
+        law(lambda v, n, rng: rng.normal(125, 125), 1),
+    )
     assert verdict.kind == "law" and "not their distribution" in verdict.text
-
-
-def sample_of_two(v, n, rng):
-    return float(rng.choice([0.0, 250.0], n).mean())
-
-
-def noisy_two(v, n, rng):
-    return rng.normal(125, 125)
-
-
-def test_another_way_to_draw_the_same_sample_is_right():
     for right in (
         lambda v, n, rng: rng.choice(v.ravel(), n, replace=False).mean(),
         lambda v, n, rng: rng.permutation(v.ravel())[:n].mean(),
@@ -80,12 +71,20 @@ def test_a_sample_of_one_kind_is_like_another_of_its_kind():
     assert LAW.alike(nothing, nothing) and not LAW.alike(nothing, law(sample))
 
 
-def test_each_call_has_a_generator_of_its_own_and_the_first_come_again():
+def test_each_call_has_a_generator_and_inputs_of_its_own_and_the_first_come_again():
     (asked,) = LAW.calls(Case((VALUES, 40, 30)))
     drawn = each_seed(lambda values, n_samples, rng: rng.random(), *asked.args)
     assert len(drawn) == 38 and list(drawn[30:]) == list(drawn[:8])
     assert len(set(drawn)) == 30
     assert len(LAW.calls(Case((VALUES, 1, 3)))[0].args[-1]) == 6
+
+    def greedy(values, n_samples, rng):
+        values += 1
+        return float(values[0, 0])
+
+    assert list(each_seed(greedy, VALUES, 40, [1, 2, 3])) == [1.0, 1.0, 1.0]
+    case = Case((VALUES, 300), kwargs={"scale": 2.0})
+    assert all(each.kwargs == {"scale": 2.0} for each in LAW.calls(case))
 
 
 def test_the_generator_of_a_call_is_the_one_that_its_seed_makes_in_numpy():
@@ -98,14 +97,6 @@ def test_the_generator_of_a_call_is_the_one_that_its_seed_makes_in_numpy():
             (*rng.spawn(2), *rng.spawn(1)), (*usual.spawn(2), *usual.spawn(1)), strict=True
         ):
             assert (one.random(3) == other.random(3)).all()
-
-
-def test_each_call_has_a_copy_of_its_own():
-    def greedy(values, n_samples, rng):
-        values += 1
-        return float(values[0, 0])
-
-    assert list(each_seed(greedy, VALUES, 40, [1, 2, 3])) == [1.0, 1.0, 1.0]
 
 
 FORGED = law(sample)
@@ -122,17 +113,6 @@ def test_no_answer_takes_the_place_of_the_law(hostile):
     assert LAW.compare(right, LAW.gather(Case(()), [answers]))
     for forged in (hostile, [hostile] * 308, [1.0, hostile] * 154, answers[:-1], [*answers, 1.0], [answers]):
         assert not LAW.compare(right, LAW.gather(Case(()), [forged]))
-
-
-def test_true_and_false_are_no_numbers():
-    assert (
-        LAW.compare(law(sample), law(lambda v, n, rng: True)).text == "your answer is a bool, not one number"
-    )
-
-
-def test_keyword_arguments_go_to_every_call():
-    case = Case((VALUES, 300), kwargs={"scale": 2.0})
-    assert all(each.kwargs == {"scale": 2.0} for each in LAW.calls(case))
 
 
 def test_the_first_call_without_a_value_is_what_came_of_the_case():

@@ -90,10 +90,15 @@ def _compared(law, answer, got):
         return Close().compare(answer, got)
 
 
-def test_tolerances_fit_what_is_empty():
+def test_tolerances_fit_what_is_empty_and_a_mask_of_another_shape_is_an_error():
     assert POLAR.compare(np.zeros((0, 2)), np.zeros((0, 2)))
     assert POLAR.compare(np.zeros(0), np.zeros(0))
     assert POLAR.compare(np.zeros((0, 2)), np.zeros((0, 3))).kind == "shape"
+    assert "(x)" not in Close(names=("x", "y")).compare(np.zeros(3), np.ones(3)).text
+    assert "(x)" in Close(names=("x", "y")).compare(np.zeros(4), np.ones(4)).text
+    for mask in ("middle", ((True, False),)):
+        with pytest.raises(ValueError, match="mask|shape|broadcast"):
+            Close(mask=mask).compare(np.zeros((2, 3)), np.zeros((2, 3)))
 
 
 SIDES = {"upper": np.triu, "lower": np.tril, "diagonal": lambda ones: np.diag(np.diag(ones))}
@@ -111,59 +116,37 @@ def test_only_what_a_mask_says_counts(side, n, seed):
         wrong = other.copy()
         wrong[place] += 1
         assert law.compare(wanted, wrong).at == place
+    for law in (Close, Exact):
+        assert not law(allowed=0.99 / counts.sum(), mask=side).compare(wanted, wrong)
+        assert law(allowed=1 / counts.sum(), mask=side).compare(wanted, wrong)
     assert f"1 of {counts.sum()} element" in Close(mask=side).compare(wanted, wrong).text
     matrices = sparse.csr_array(wanted), sparse.coo_array(np.where(counts, wanted, 99.0))
     assert Close(mask=side).compare(*matrices) and Close(mask=given_mask).compare(*matrices)
     assert not Close(mask=side).compare(matrices[0], sparse.csr_array(wrong))
 
 
-def test_what_may_differ_is_a_fraction_of_what_counts():
-    wanted, wrong = np.zeros((4, 4), int), np.diag([1, 1, 1, 0])
-    for law in (Close, Exact):
-        assert not law(allowed=0.5, mask="diagonal").compare(wanted, wrong)
-        assert law(allowed=0.75, mask="diagonal").compare(wanted, wrong)
-
-
-def test_columns_have_no_names_where_these_do_not_fit():
-    assert "(x)" not in Close(names=("x", "y")).compare(np.zeros(3), np.ones(3)).text
-    assert "(x)" in Close(names=("x", "y")).compare(np.zeros(4), np.ones(4)).text
-
-
-def test_a_list_of_more_values_than_anyone_would_return_is_not_made_into_an_array():
+def test_nan_belongs_where_it_belongs_and_long_lists_are_not_read():
+    wanted = np.array([[nan, 1.0], [2.0, nan]])
+    assert Close().compare(wanted, wanted.copy())
+    assert Close().compare(wanted, np.nan_to_num(wanted)).text.startswith("your answer is not NaN at [0, 0]")
+    assert "is NaN at [0, 1]" in Close().compare(wanted, np.full((2, 2), nan)).text
+    assert "1+2j, which is not right" in Close().compare(1j, 1 + 2j).text
     many = [np.zeros(10**6)] * 3
     verdict = Close().compare(np.zeros(3), many)
     assert verdict.kind == "type" and "a list of 3000000 values; return an array" in verdict.text
 
 
-def test_a_mask_that_does_not_fit_is_an_error_of_the_declaration():
-    for mask in ("middle", ((True, False),)):
-        with pytest.raises(ValueError, match="mask|shape|broadcast"):
-            Close(mask=mask).compare(np.zeros((2, 3)), np.zeros((2, 3)))
-
-
-def test_nan_belongs_where_it_belongs():
-    wanted = np.array([[nan, 1.0], [2.0, nan]])
-    assert Close().compare(wanted, wanted.copy())
-    assert Close().compare(wanted, np.nan_to_num(wanted)).text.startswith("your answer is not NaN at [0, 0]")
-    assert "is NaN at [0, 1]" in Close().compare(wanted, np.full((2, 2), nan)).text
-
-
 @pytest.mark.parametrize(
     ("expected", "got", "kind"),
     [
-        (1 + 2j, 1 + 2j, "right"),
         (1 + 2j, np.complex64(1 + 2j), "right"),
         (1 + 0j, 1.0, "right"),
         (1.0, 1 + 0j, "type"),
         (1 + 2j, 1 - 2j, "value"),
-        (np.array([1j, 2.0]), [1j, 2.0], "right"),
         (np.array([1j, 2.0]), [1j, 2.0 + 1e-3j], "value"),
         (complex(0, nan), complex(0, nan), "right"),
         (1j, complex(0, nan), "nan"),
-        (1j, True, "type"),
-        (b"ab", b"ab", "right"),
         (b"ab", b"ac", "value"),
-        (np.hypot, np.hypot, "right"),
         (np.hypot, np.exp, "value"),
         (np.hypot, 1.0, "value"),
         (1.0, np.hypot, "type"),
@@ -174,10 +157,6 @@ def test_nan_belongs_where_it_belongs():
 )
 def test_values_of_every_kind_are_told_apart(expected, got, kind):
     assert Close().compare(expected, got).kind == kind
-
-
-def test_a_complex_number_is_told_as_one():
-    assert "1+2j, which is not right" in Close().compare(1j, 1 + 2j).text
 
 
 @settings(deadline=None)
@@ -193,12 +172,18 @@ def test_sparse_matrices_are_compared_by_their_elements_whatever_their_format(se
     assert verdict.at == place and "1 of 12 elements" in verdict.text
 
 
-def test_duplicate_entries_of_a_sparse_matrix_are_one_sum():
+def test_sparse_matrices_sum_duplicate_entries_and_stay_sparse():
     places = (np.array([0, 0, 1]), np.array([1, 1, 0]))
     doubled = sparse.coo_array((np.array([1.0, 2.0, 5.0]), places), shape=(2, 2))
     assert Close().compare(sparse.csr_array([[0.0, 3.0], [5.0, 0.0]]), doubled)
     assert Close(allowed=0.25).compare(sparse.csr_array([[0.0, 3.0], [4.0, 0.0]]), doubled)
     assert Close().compare(doubled, sparse.csr_array([[0.0, 3.0], [5.0, 0.0]]))
+    wanted = sparse.coo_array(
+        (np.ones(2), (np.array([0, 999_999]), np.array([999_999, 0]))), shape=(10**6, 10**6)
+    )
+    assert Close().compare(wanted, wanted.copy())
+    assert Close(mask="upper").compare(wanted, wanted.copy())
+    assert Close().compare(np.eye(3), sparse.csr_array(np.eye(3))).kind == "type"
 
 
 @pytest.mark.parametrize(
@@ -219,19 +204,9 @@ def test_what_is_no_such_sparse_matrix_is_told(got, kind):
     assert Close().compare(sparse.csr_array(np.eye(3)), got).kind == kind
 
 
-def test_huge_sparse_matrices_are_compared_without_their_zeros():
-    wanted = sparse.coo_array(
-        (np.ones(2), (np.array([0, 999_999]), np.array([999_999, 0]))), shape=(10**6, 10**6)
-    )
-    assert Close().compare(wanted, wanted.copy())
-    assert Close(mask="upper").compare(wanted, wanted.copy())
-    assert Close().compare(np.eye(3), sparse.csr_array(np.eye(3))).kind == "type"
-
-
 @pytest.mark.parametrize(
     ("got", "kind"),
     [
-        ([1.5, 2.5], "right"),
         (np.array([1.0, 3.0]), "right"),
         ([1.5, 3.5], "value"),
         ([1.5, nan], "nan"),

@@ -50,18 +50,15 @@ def test_one_wrong_element_is_found_and_counted(array, data):
     ("expected", "got", "kind"),
     [
         (1.0, 1, "right"),
-        (1.0, np.float32(1), "right"),
         (1.0, np.array(1.0), "right"),
         (1, 1.0, "right"),
         (1.0, np.array([1.0]), "shape"),
-        (1.0, [1.0], "shape"),
         (1.0, True, "type"),
         (True, 1.0, "type"),
         (True, np.bool_(True), "right"),
         (np.array([True, False]), [True, False], "right"),
         (np.array([True, False]), np.array([1, 0]), "type"),
         (1.0, None, "nothing"),
-        (1.0, "1", "type"),
         (1.0, 1j, "type"),
         (1.0, {"a": 1}, "type"),
         (1.0, nan, "nan"),
@@ -69,7 +66,6 @@ def test_one_wrong_element_is_found_and_counted(array, data):
         (nan, nan, "right"),
         (inf, inf, "right"),
         (inf, -inf, "value"),
-        (inf, 5.0, "value"),
         (5.0, inf, "value"),
         (1.0, 10**400, "type"),
         (np.zeros((2, 3)), np.zeros((3, 2)), "shape"),
@@ -79,7 +75,6 @@ def test_one_wrong_element_is_found_and_counted(array, data):
         (np.zeros((0, 2)), [], "shape"),
         (np.zeros(2, np.uint8), np.array([0, 1]), "value"),
         (np.array([200], np.uint8), np.array([-56], np.int8), "value"),
-        ((1.0, 2.0), (1.0, 2.0), "right"),
         ((1.0, 2.0), [1.0, 2.0], "right"),
         ((1.0, 2.0), np.array([1.0, 2.0]), "right"),
         ((1.0, 2.0), (1.0, 2.5), "value"),
@@ -88,18 +83,14 @@ def test_one_wrong_element_is_found_and_counted(array, data):
         ((1.0, 2.0), np.zeros((10**6, 1)), "type"),
         ((1.0, None), (1.0, None), "right"),
         ((1.0, None), (1.0, 2.0), "type"),
-        ((np.zeros(2), 1.0), (np.zeros(3), 1.0), "shape"),
         ([], [], "right"),
         (None, None, "right"),
         (None, 0.0, "type"),
-        ("green", "green", "right"),
         ("green", "red", "value"),
         ("green", 3, "type"),
-        ({"a": 1.0}, {"a": 1.0}, "right"),
         ({"a": 1.0}, {"b": 1.0}, "type"),
         ({"a": 1.0}, {"a": 2.0}, "value"),
         (Seen(0.5, "post"), Seen(0.5, "post"), "right"),
-        (Seen(0.5, "post"), Seen(0.6, "post"), "value"),
         (Seen(0.5, "post"), Seen(0.5, "corner"), "value"),
         (Seen(0.5, "post"), (0.5, "post"), "type"),
         ([Seen(0.5, "post")], [Seen("x", "post")], "type"),
@@ -126,10 +117,14 @@ def test_angles_are_compared_on_their_circle():
     assert hues.compare(10.0, inf).kind == "value"
 
 
-def test_one_point_is_not_right_at_two_places():
+def test_one_point_is_not_right_at_two_places_and_partners_suit_all():
     law = Points(tolerance=1.0)
     assert not law.compare(np.array([(0.0, 0.0), (0.5, 0.0)]), np.array([(0.2, 0.0), (9.0, 9.0)]))
     assert not law.compare(np.array([(0.0, 0.0), (9.0, 9.0)]), np.array([(0.2, 0.0), (0.5, 0.0)]))
+    expected, got = np.array([[0.0, 0.0], [0.9, 0.0]]), np.array([[0.8, 0.0], [1.8, 0.0]])
+    assert law.compare(expected, got)  # the nearest pair would leave 1.8 for the other
+    assert Points().compare(np.zeros((0, 2)), np.zeros((0, 2)))
+    assert Points().compare(np.zeros((0, 2)), POINTS).kind == "value"
 
 
 def test_a_fraction_of_labels_may_differ_and_no_more():
@@ -143,10 +138,15 @@ def test_a_fraction_of_labels_may_differ_and_no_more():
     assert not Exact().compare(labels, wrong)
 
 
-def test_exact_does_not_round():
+def test_labels_are_whole_numbers_that_are_not_rounded():
     assert Exact().compare(2**53, 2**53)
     assert not Exact().compare(2**53, 2**53 + 1)
     assert not Exact().compare(1.0, 1.0000001)
+    wanted = np.array([[0, 1], [2, 3]], dtype=np.uint8)
+    assert Exact().compare(wanted, wanted.astype(np.int64)) and Exact().compare(wanted, wanted.tolist())
+    assert Exact().compare(wanted, wanted.astype(float)).kind == "type"
+    text = Exact().compare(np.zeros(3, dtype=np.uint8), np.zeros(3)).text
+    assert "floating-point numbers (dtype float64)" in text and "np.zeros(shape, dtype=int)" in text
 
 
 POINTS = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]])
@@ -156,21 +156,16 @@ POINTS = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]])
     ("got", "kind"),
     [
         (POINTS[::-1], "right"),
-        (POINTS.tolist(), "right"),
         (POINTS + 0.5, "right"),
-        (POINTS + 1.0, "value"),
         (POINTS[:, ::-1] + [0, 5], "value"),
-        (POINTS[:2], "value"),
         (np.vstack([POINTS, POINTS[:1]]), "value"),
         (POINTS[[0, 0, 1]], "value"),
-        (np.zeros((0, 2)), "value"),
         ([], "shape"),
         (POINTS.T[:, :2].T.ravel(), "shape"),
         (np.zeros((3, 3)), "shape"),
         (None, "nothing"),
         ("points", "type"),
         (np.where(POINTS > 5, nan, POINTS), "nan"),
-        (np.where(POINTS > 5, inf, POINTS), "value"),
         (np.where(POINTS > 5, 1e308, POINTS), "value"),
     ],
 )
@@ -178,29 +173,16 @@ def test_points_are_compared_one_to_one_in_any_order(got, kind):
     assert Points(tolerance=1.0).compare(POINTS, got).kind == kind
 
 
-def test_points_find_the_partners_that_suit_all_not_the_nearest():
-    expected, got = np.array([[0.0, 0.0], [0.9, 0.0]]), np.array([[0.8, 0.0], [1.8, 0.0]])
-    assert Points(tolerance=1.0).compare(expected, got)  # the nearest pair would leave 1.8 for the other
-
-
-def test_no_points_are_right_where_there_are_none():
-    assert Points().compare(np.zeros((0, 2)), np.zeros((0, 2)))
-    assert Points().compare(np.zeros((0, 2)), POINTS).kind == "value"
-
-
 @pytest.mark.parametrize(
     ("got", "kind"),
     [
         (1.5, "right"),
-        (1, "right"),
         (np.float32(2), "right"),
-        (0.5, "value"),
         (inf, "value"),
         (nan, "nan"),
         (None, "nothing"),
         ([1.5], "shape"),
         (True, "type"),
-        ("1.5", "type"),
     ],
 )
 def test_a_random_answer_lies_between(got, kind):
@@ -246,30 +228,17 @@ def test_an_expected_value_is_never_said(comparison, expected):
         assert "987" not in verdict.text
 
 
-def test_values_of_a_tuple_are_called_by_their_names():
-    comparison = Close(names=("your hue", "your saturation"))
-    assert "of your saturation are wrong" in comparison.compare((1.0, np.zeros(3)), (1.0, np.ones(3))).text
-    assert "expected 2 values (your hue, your saturation)" in comparison.compare((1.0, 2.0), 3.0).text
-    assert comparison.compare((1.0, np.zeros(2)), (1.0, np.array([0.0, np.nan]))).at == (1,)
-
-
-def test_labels_are_whole_numbers():
-    wanted = np.array([[0, 1], [2, 3]], dtype=np.uint8)
-    assert Exact().compare(wanted, wanted.astype(np.int64)) and Exact().compare(wanted, wanted.tolist())
-    assert Exact().compare(wanted, wanted.astype(float)).kind == "type"
-
-
-def test_an_answer_that_was_rounded_hears_how_exact_it_has_to_be_and_one_that_is_far_off_does_not():
+def test_a_message_says_how_exact_an_answer_has_to_be_and_names_its_parts():
     assert "is close, but must be right within 0.01 %" in Close().compare(np.pi / 2, 3.14 / 2).text
     assert "is close" not in Close().compare(np.pi / 2, 3 / 2).text
     assert "is close, but must be right within 0.02" in Close(rtol=0, atol=0.02).compare(350.0, 350.1).text
     assert "is close" not in Close(rtol=0.25).compare(1.0, 1.5).text  # what scatters has a coarse tolerance
     assert "is close" not in Close().compare(np.array([1.0, 2.0]), np.array([1.0002, 3.0])).text
-
-
-def test_whole_numbers_that_came_with_a_point_hear_where_to_say_it():
-    text = Exact().compare(np.zeros(3, dtype=np.uint8), np.zeros(3)).text
-    assert "floating-point numbers (dtype float64)" in text and "np.zeros(shape, dtype=int)" in text
+    comparison = Close(names=("your hue", "your saturation"))
+    assert "of your saturation are wrong" in comparison.compare((1.0, np.zeros(3)), (1.0, np.ones(3))).text
+    assert "expected 2 values (your hue, your saturation)" in comparison.compare((1.0, 2.0), 3.0).text
+    assert comparison.compare((1.0, np.zeros(2)), (1.0, np.array([0.0, np.nan]))).at == (1,)
+    assert Close().compare(None, np.zeros(2)).text == "your answer is an array; expected None"
 
 
 def test_points_are_counted_in_words_of_their_number():
@@ -279,7 +248,3 @@ def test_points_are_counted_in_words_of_their_number():
     assert "your point is in the wrong place" in Points().compare(one, one + 5).text
     assert "1 of your 2 points is in" in Points().compare(two, two + [[5, 0], [0, 0]]).text
     assert "2 of your 2 points are in" in Points().compare(two, two + 5).text
-
-
-def test_where_nothing_is_wanted_none_is_said_and_not_its_type():
-    assert Close().compare(None, np.zeros(2)).text == "your answer is an array; expected None"
