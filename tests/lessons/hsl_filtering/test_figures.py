@@ -1,10 +1,20 @@
-"""The figures of lesson 01: channels beside their picture, hues on their circle, a stray pixel."""
+"""The figures of lesson 01: channels, hues on their circle, a stray pixel, and real pictures or what was recorded."""
+
+import json
 
 import numpy as np
 import pytest
 
-from nao_course.lessons.hsl_filtering import draw_hsl, draw_hue_circle, draw_stray_pixel
+from nao_course import datasets
+from nao_course.lessons.hsl_filtering import (
+    draw_hsl,
+    draw_hue_circle,
+    draw_real_pictures,
+    draw_stray_pixel,
+    real_pictures,
+)
 from nao_course.plotting import painted
+from tests.paths import PROJECT
 
 
 def test_hues_are_drawn_on_their_circle_with_intervals_through_zero():
@@ -13,8 +23,8 @@ def test_hues_are_drawn_on_their_circle_with_intervals_through_zero():
     swept = np.degrees(arc.get_xdata())
     assert np.isclose(swept[0], 348) and np.isclose(swept[-1], 372) and (np.diff(swept) > 0).all()
     assert "limits from 348.0 to 12.0 degrees" in drawing.alt
-    for wrong in ({}, {"a": [1]}):
-        with pytest.raises(ValueError, match=r"at least one entry|limits must have the keys"):
+    for wrong, said in (({}, "at least one entry"), ({"a": [1]}, "limits must have the keys")):
+        with pytest.raises(ValueError, match=said):
             draw_hue_circle(wrong, {"b": (1.0, 2.0)})
 
 
@@ -37,8 +47,37 @@ def test_a_stray_pixel_stands_between_before_and_after_and_among_all_others(rng)
     (mark,) = middle.lines
     assert (mark.get_xdata()[0], mark.get_ydata()[0]) == (7, 5)
     assert sum(bar.get_height() for bar in right.patches) == 101
-    assert (
-        "56% of the carpet" in drawing.alt
-        and "5 % to 95 %" in drawing.alt
-        and "a median of 50 %" in drawing.alt
-    )
+    assert all(said in drawing.alt for said in ("56% of the carpet", "5 % to 95 %", "a median of 50 %"))
+
+
+def test_without_the_recordings_the_numbers_that_the_benchmark_recorded_stand_in_their_place(monkeypatch):
+    recorded = json.loads((PROJECT / "benchmarks" / "results" / "colour_filter.json").read_text())
+    assert list(real_pictures.FLOORS) == recorded["floors"]
+    assert all(list(parts) == recorded["real"][name] for name, parts in real_pictures.PARTS.items())
+
+    def nowhere(name):
+        raise FileNotFoundError("not here")
+
+    def never(*_):
+        raise AssertionError("asked without a picture")
+
+    monkeypatch.setattr(datasets, "read_pictures", nowhere)
+    drawing, again = draw_real_pictures(never), draw_real_pictures(never)
+    assert "background labelled green 4.6, 1.4, 0.4, 0.1, 0.1 %" in drawing.alt
+    assert [len(ax.lines) for ax in drawing.figure.axes] == [3, 3]  # two curves and the course's floor
+    assert drawing.image("png") == again.image("png") and drawing.image("jpeg") == again.image("jpeg")
+
+
+def test_with_the_recordings_a_picture_is_labelled_without_and_with_the_floor(monkeypatch):
+    class Real:
+        pixels = np.full((6, 8, 3), 90, dtype=np.uint8)
+
+    floors = []
+
+    def label(picture, green, yellow, min_saturation):
+        floors.append(min_saturation)
+        return np.ones(picture.shape[:2], dtype=np.uint8)
+
+    monkeypatch.setattr(datasets, "read_pictures", lambda name: [Real()] * 3)
+    drawing = draw_real_pictures(label)
+    assert floors == [0.0, 0.16] and "a real picture" in drawing.alt

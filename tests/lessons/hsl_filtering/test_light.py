@@ -1,22 +1,23 @@
 """Light in lesson 01: a factor of it, where it breaks the threshold, and what figures say of that."""
 
+from functools import partial
+
 import cv2
 import numpy as np
 import pytest
 
-from nao_course.exercises import load_definitions
+from nao_course.exercises import judging
+from nao_course.exercises.running import call_all
 from nao_course.geometry import Pose
+from nao_course.instructor.authoring.plans import hidden_cases
 from nao_course.lessons.hsl_filtering import crossing, draw_light_limits, draw_lightness, in_light
 from nao_course.lessons.hsl_filtering.light import BINS, lightness_counts
 from nao_course.lessons.hsl_filtering.payoff import LIGHTS, draw_payoff, payoff_scene
 from nao_course.sim import Field, SimulatedNao, Truth
 from tests.drawings import assert_same_bytes_with_words
-from tests.paths import SOLUTIONS
+from tests.lessons.every import COURSE, own
 
-
-@pytest.fixture(scope="module")
-def hsl():
-    return load_definitions(SOLUTIONS / "01_hsl_filtering.ipynb")
+HSL = own("01")
 
 
 def test_in_a_light_of_one_a_picture_is_the_same_and_two_lights_are_one_after_the_other(rng):
@@ -31,33 +32,23 @@ def test_in_a_light_of_one_a_picture_is_the_same_and_two_lights_are_one_after_th
             in_light(picture, wrong)
 
 
-def test_lightnesses_are_counted_by_what_pixels_are_and_none_is_lost(rng):
-    lightness, labels = rng.uniform(0, 255, (30, 40)), rng.integers(0, 4, (30, 40))
-    lightness[0, 0], labels[0, 0] = 255.0, 3
-    counts = lightness_counts(lightness, labels)
-    assert counts.shape == (4, BINS) and counts.sum() == 1200 and counts[3, -1] > 0
-    for label in range(4):
-        wanted, _ = np.histogram(lightness[labels == label], bins=BINS, range=(0, 256))
-        assert np.array_equal(counts[label], wanted)
-
-
 def test_a_level_is_crossed_between_two_factors_at_the_first_or_never():
     assert crossing([1.0, 2.0, 3.0], [0.0, 0.25, 0.75]) == 2.5
     assert crossing([1.0, 2.0, 3.0], [0.6, 0.2, 0.9]) == 1.0
     assert np.isnan(crossing([1.0, 2.0], [0.0, 0.4]))
 
 
-def test_the_lines_are_lost_where_the_formula_says_and_half_of_the_carpet_turns_white_a_little_early(hsl):
+def test_the_lines_are_lost_where_the_formula_says_and_half_of_the_carpet_turns_white_a_little_early():
     """As the lesson measures it, on another scene than the lesson's."""
     scene, labels = payoff_scene()
-    lightness = hsl["rgb_to_hsl"](scene)[2]
+    lightness = HSL["rgb_to_hsl"](scene)[2]
     room = 135 * lightness.mean() / 255
     limits = [120 / (level - room) for level in (255.0, float(np.median(lightness[labels == 1])))]
     factors = np.linspace(0.4, 1.6, 49)
     found, false = [], []
     for factor in factors:
-        lit = hsl["rgb_to_hsl"](in_light(scene, factor))[2]
-        white = lit > hsl["white_threshold"](lit.mean())
+        lit = HSL["rgb_to_hsl"](in_light(scene, factor))[2]
+        white = lit > HSL["white_threshold"](lit.mean())
         found.append(white[labels == 3].mean())
         false.append(white[labels == 1].mean())
     assert abs(crossing(factors, found) - limits[0]) < 0.04
@@ -67,8 +58,14 @@ def test_the_lines_are_lost_where_the_formula_says_and_half_of_the_carpet_turns_
     assert f"The limits by equation 1.5 are {limits[0]:.2f} and {limits[1]:.2f}." in drawing.alt
 
 
-def test_figures_of_light_say_their_numbers_and_refuse_what_does_not_fit(rng):
+def test_lightnesses_are_counted_by_what_pixels_are_and_figures_say_their_numbers(rng):
     lightness, labels = rng.uniform(0, 255, (30, 40)), rng.integers(0, 4, (30, 40))
+    lightness[0, 0], labels[0, 0] = 255.0, 3
+    counts = lightness_counts(lightness, labels)
+    assert counts.shape == (4, BINS) and counts[3, -1] > 0
+    for label in range(4):
+        wanted, _ = np.histogram(lightness[labels == label], bins=BINS, range=(0, 256))
+        assert np.array_equal(counts[label], wanted)
     marks = {"beta": 120.0, "mean": 100.0, "threshold": 173.0}
     assert_same_bytes_with_words(lambda: draw_lightness(lightness, labels, **marks))
     alt = draw_lightness(lightness, labels, **marks).alt
@@ -81,41 +78,59 @@ def test_figures_of_light_say_their_numbers_and_refuse_what_does_not_fit(rng):
             draw_light_limits(factors, recall, [0.0, 0.0])
 
 
-def test_the_payoff_is_drawn_by_the_students_functions_and_says_which_lines_are_found(hsl):
-    own = {
-        name: hsl[name]
-        for name in (
-            "rgb_to_hsl",
-            "average_lightness",
-            "white_threshold",
-            "hue_mask",
-            "color_labels",
-            "calibrate_hue",
-        )
-    }
-    assert draw_payoff(**own).alt.count("100%") == len(LIGHTS)
-    blind = {**own, "color_labels": lambda picture, *_: np.zeros(picture.shape[:2], dtype=np.uint8)}
-    assert draw_payoff(**blind).alt.count(" 0%") == len(LIGHTS)
+def test_the_payoff_is_drawn_by_the_students_functions_and_says_which_lines_are_found():
+    names = [
+        "rgb_to_hsl",
+        "average_lightness",
+        "white_threshold",
+        "hue_mask",
+        "color_labels",
+        "calibrate_hue",
+    ]
+    functions = {name: HSL[name] for name in names}
+    assert draw_payoff(**functions).alt.count("100%") == len(LIGHTS)
+
+    def blind(picture, *_):
+        return np.zeros(picture.shape[:2], dtype=np.uint8)
 
     def blank(*_):
         raise NotImplementedError
 
+    assert draw_payoff(**functions | {"color_labels": blind}).alt.count(" 0%") == len(LIGHTS)
     with pytest.raises(NotImplementedError):
-        draw_payoff(**{**own, "calibrate_hue": blank})
+        draw_payoff(**functions | {"calibrate_hue": blank})
 
 
-def test_epsilon_widens_the_limits_of_green_and_would_widen_those_of_yellow_as_lesson_01_says(hsl):
+def test_epsilon_widens_the_limits_of_green_and_would_widen_those_of_yellow_as_lesson_01_says():
     nao = SimulatedNao(Field(2012), Pose(0.6, 0.5, -0.25), rng=41)
-    hue, saturation, _ = hsl["rgb_to_hsl"](nao.take_picture("bottom").pixels)
+    hue, saturation, _ = HSL["rgb_to_hsl"](nao.take_picture("bottom").pixels)
     labels = Truth(nao).picture.labels
     goal = cv2.erode((labels == 2).astype(np.uint8), np.ones((5, 5))) > 0
-
-    def part(example, epsilon, of):
-        limits = hsl["calibrate_hue"](hue[example], saturation[example], epsilon)
-        return hsl["hue_mask"](hue[labels == of], *limits).mean()
-
-    assert [part(np.s_[200:, 100:220], epsilon, 1) for epsilon in (0.0, 10.0)] == pytest.approx(
-        [0.78, 0.97], abs=0.006
-    )
-    assert [part(goal, epsilon, 2) for epsilon in (0.0, 5.0)] == pytest.approx([0.89, 0.99], abs=0.006)
     assert goal.sum() == 1724
+    for example, of, epsilon, part in (
+        (np.s_[200:, 100:220], 1, 0.0, 0.78),
+        (np.s_[200:, 100:220], 1, 10.0, 0.97),
+        (goal, 2, 0.0, 0.89),
+        (goal, 2, 5.0, 0.99),
+    ):
+        limits = HSL["calibrate_hue"](hue[example], saturation[example], epsilon)
+        assert HSL["hue_mask"](hue[labels == of], *limits).mean() == pytest.approx(part, abs=0.006)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_mean_with_noise_loses_the_case_of_two_pixels_also_if_it_samples_single_pixels(seed):
+    exercise = COURSE.plan("01_hsl_filtering")["average_lightness"]
+    cases = hidden_cases(exercise, HSL[exercise.name], seed)
+
+    def with_noise(lightness, n_samples, rng):
+        if n_samples == 1:
+            return float(rng.choice(lightness.ravel()))
+        return lightness.mean() + rng.normal(0, lightness.std() / np.sqrt(n_samples))
+
+    def verdicts(function):
+        answer = partial(judging.answer, exercise.comparison)
+        outcomes = call_all(function, cases, exercise.driver, 30, answer)
+        return [bool(judging.judge(exercise.comparison, *each)) for each in zip(cases, outcomes, strict=True)]
+
+    assert all(verdicts(HSL["average_lightness"]))
+    assert verdicts(with_noise) == [True, True, True, False, True]
