@@ -2,19 +2,17 @@
 
 import pytest
 
-from nao_course.instructor.authoring.plans import load_solution
-from tests.paths import SOLUTIONS
+from tests.lessons import every
 
 
 @pytest.fixture(scope="session")
 def own():
-    return load_solution(SOLUTIONS / "06_localization.ipynb")
+    return every.own("06")
 
 
 @pytest.fixture(scope="session")
 def report():
-    """Return lesson 05's functions."""
-    return load_solution(SOLUTIONS / "05_ekf_derivations.ipynb")
+    return every.own("05")
 
 
 @pytest.fixture(scope="session")

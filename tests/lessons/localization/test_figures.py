@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from nao_course.geometry import rotation_2d
 from nao_course.lessons.localization import consistency, figures, first_drive, next_landmark
 from nao_course.lessons.localization.drives import LANDMARKS, follow_many
 from nao_course.lessons.localization.panels import FusePanel
 from nao_course.metrics import band, squared_distances
-from tests.lessons.every import quotes
-from tests.paths import SOLUTIONS
+from tests.lessons.every import quotes, text
 
-TEXT = (SOLUTIONS / "06_localization.md").read_text(encoding="utf-8")
+TEXT = text("06")
 
 
 def test_one_picture_brings_the_robot_back_as_the_payoff_says(own):
@@ -35,19 +35,14 @@ def test_far_from_the_truth_one_picture_gives_an_overconfident_estimate_as_the_e
     quotes(TEXT, f"NEES is {np.median(squares):.1f}")
 
 
-def test_four_tenths_lie_inside_the_one_sigma_ellipse(own):
+def test_four_tenths_lie_inside_the_one_sigma_ellipse_whatever_its_angle(own):
     spread = np.array([[0.09, 0.05], [0.05, 0.05]])
     part = figures.inside(figures.cloud(spread), *own["covariance_ellipse"](spread, 1 - np.exp(-0.5)))
     assert part == pytest.approx(1 - np.exp(-0.5), abs=0.02)
     assert "95 %" in figures.draw_cloud(spread, own["covariance_ellipse"], (0.3935, 0.95)).alt
-
-
-def test_an_ellipse_holds_what_is_inside_it_whatever_its_angle():
-    angle, axes = 0.7, np.array([2.0, 0.5])
-    c, s = np.cos(angle), np.sin(angle)
-    long, short = np.array([c, s]), np.array([-s, c])
+    long, short = rotation_2d(0.7).T
     points = np.array([1.9 * long, 2.1 * long, 0.4 * short, 0.6 * short])
-    assert figures.inside(points, axes, angle) == 0.5
+    assert figures.inside(points, np.array([2.0, 0.5]), 0.7) == 0.5
 
 
 def test_the_given_filter_loses_the_robot_as_the_text_states_and_a_wrapped_innovation_mends_it(own):
@@ -59,7 +54,7 @@ def test_the_given_filter_loses_the_robot_as_the_text_states_and_a_wrapped_innov
     mended, _ = first_drive.run_first_drive(own["innovation"])
     most = np.hypot(*mended.errors[:, :2].T).max()
     degrees = (f"{each:.1f}" for each in np.degrees(worst))
-    quotes(TEXT, f"For {fault - 1} steps", f"{off.max():.2f} m", f"{most:.2f} m", f"step {fault}", *degrees)
+    quotes(TEXT, f"{fault - 1} steps", f"{off.max():.2f} m", f"{most:.2f} m", f"step {fault}", *degrees)
     assert off[:fault].max() < 0.08 and stated[fault:].max() < 0.10 and broken.nees.max() > 800
     assert mended.nees.max() < first_drive.LIMIT
 
@@ -78,12 +73,23 @@ def test_the_text_states_where_the_nis_of_the_given_filter_is_large():
     assert np.hypot(*trace.errors[:, :2].T).argmax() == 18
 
 
-def test_the_students_parts_give_the_same_drive_as_the_given_ones(own):
+def test_the_students_parts_give_the_same_drive_as_the_given_ones_and_figures_state_its_errors(own):
     mended, _ = first_drive.run_first_drive(own["innovation"])
     for parts in ((own["innovation"], own["kalman_update"]), (None, None, own["localize"])):
         trace, _ = first_drive.run_first_drive(*parts)
         assert np.allclose(trace.poses, mended.poses, atol=1e-6)
         assert np.allclose(trace.covariances, mended.covariances, atol=1e-8)
+    for parts, words in (
+        ((lambda expected, measured: 1.0,), "innovation must have shape"),
+        ((None, lambda *given: None), "kalman_update must return"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            first_drive.run_first_drive(*parts)
+    assert "NEES is 839 at most" in first_drive.draw_first_drive(nees=own["nees"]).alt
+    alt = first_drive.draw_first_drive(own["innovation"], own["nees"], own["covariance_ellipse"]).alt
+    assert "above 7.81 at 0 of 31 poses" in alt
+    assert "the innovation is -360.5" in first_drive.draw_bearings().alt
+    assert "at step 14" in first_drive.draw_bearings(own["nees"]).alt.split("largest NIS")[1]
 
 
 def test_the_first_drives_motion_is_that_of_lesson_05(report, rng):
@@ -96,28 +102,10 @@ def test_the_first_drives_motion_is_that_of_lesson_05(report, rng):
         assert np.allclose(first_drive._move_covariance(P, pose, control, Q), wanted)
 
 
-def test_the_figure_of_the_first_drive_states_the_nees_and_that_of_the_bearings_the_nis(own):
-    alt = first_drive.draw_first_drive(nees=own["nees"]).alt
-    assert "NEES is 839 at most" in alt
-    alt = first_drive.draw_first_drive(own["innovation"], own["nees"], own["covariance_ellipse"]).alt
-    assert "above 7.81 at 0 of 31 poses" in alt
-    assert "the innovation is -360.5" in first_drive.draw_bearings().alt
-    assert "at step 14" in first_drive.draw_bearings(own["nees"]).alt.split("largest NIS")[1]
-
-
-def test_a_function_of_another_shape_is_named(own):
-    for parts, words in (
-        ((lambda expected, measured: 1.0,), "innovation must have shape"),
-        ((None, lambda *given: None), "kalman_update must return"),
-    ):
-        with pytest.raises(ValueError, match=words):
-            first_drive.run_first_drive(*parts)
-
-
-def test_a_landmark_along_the_ellipse_improves_the_position_by_its_range_and_one_beside_by_its_bearing(own):
-    c, s = np.cos(next_landmark.ROBOT.theta), np.sin(next_landmark.ROBOT.theta)
-    at = np.array([next_landmark.ROBOT.x, next_landmark.ROBOT.y])
-    ahead, behind, beside = at + (1.5 * c, 1.5 * s), at - (1.5 * c, 1.5 * s), at + (-1.5 * s, 1.5 * c)
+def test_a_landmark_along_the_ellipse_improves_the_position_by_its_range_and_one_beside_by_its_bearing(
+    own, monkeypatch
+):
+    ahead, behind, beside = next_landmark.ROBOT.to_parent([(1.5, 0.0), (-1.5, 0.0), (0.0, 1.5)])
 
     def position(place, use_range):
         return next_landmark.remaining_after(own["localize"], place, use_range)[0]
@@ -125,12 +113,9 @@ def test_a_landmark_along_the_ellipse_improves_the_position_by_its_range_and_one
     assert position(ahead, True) == pytest.approx(position(behind, True), rel=1e-6)
     assert position(ahead, True) < 0.8 * position(beside, True)
     assert position(beside, False) < 0.8 * position(ahead, False) and position(ahead, False) > 0.45
-
-
-def test_the_map_of_remaining_uncertainty_states_it_for_real_landmarks(own, monkeypatch):
     monkeypatch.setattr(next_landmark, "GRID", 0.9)
-    position, heading = next_landmark.remaining_after(own["localize"], LANDMARKS[9])
-    said = f"the post at (3.0, 0.7) leaves {100 * position:.0f} cm and {np.degrees(heading):.1f} degrees"
+    left, heading = next_landmark.remaining_after(own["localize"], LANDMARKS[9])
+    said = f"the post at (3.0, 0.7) leaves {100 * left:.0f} cm and {np.degrees(heading):.1f} degrees"
     assert said in next_landmark.draw_remaining_uncertainty(own["localize"]).alt
 
 
@@ -151,5 +136,4 @@ def test_the_fuse_panel_says_what_the_students_function_makes_of_its_sliders(own
     panel.set(prediction_sigma=0.2, measurement_sigma=0.2, measured=3.0)
     assert "Fused: 2.50 m" in panel.summary() and "is 0.50." in panel.summary()
     panel.set(measured=2.0)
-    assert "weight" not in panel.summary()
-    assert "fused: 2.00 m" in panel.shown.drawings["Estimates"].alt
+    assert "weight" not in panel.summary() and "fused: 2.00 m" in panel.shown.drawings["Estimates"].alt
