@@ -11,6 +11,7 @@ WORKERS ?= 2
 
 PY = .venv/bin/python
 PIP = $(PY) -m pip --disable-pip-version-check $(PIP_ARGS)
+UV = $(PY) -m uv pip install --python $(PY)
 # The course's matrices are small: one BLAS thread for each process is the fastest, and the same everywhere.
 ONE_THREAD = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # The tests' modules are kept compiled, also where a machine's settings forbid it: pytest takes 10 s to rewrite them.
@@ -113,7 +114,10 @@ web/node_modules/made.stamp: web/package-lock.json
 	cd web && npm ci --ignore-scripts --no-fund --no-audit
 	@touch $@
 
+# uv does in seconds what takes pip minutes; where uv cannot be had or fails, pip does it, as slowly as ever.
 define install
-@$(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
+@$(PY) -m uv --version >/dev/null 2>&1 || { sed -n '/^uv==/,/[^\\]$$/p' requirements.lock >.venv/uv.txt; \
+	$(PIP) install --quiet --require-hashes -r .venv/uv.txt || true; }
+@$(UV) --compile-bytecode --require-hashes -r $(1) || $(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
 @$(PIP) --quiet install --no-deps --no-build-isolation -e .
 endef
