@@ -70,39 +70,28 @@ def test_a_huge_notebook_is_refused_without_being_read(tmp_path):
 @pytest.mark.parametrize(
     "name", [f"../{HSL}", f"ada/../../{HSL}", f"/etc/{HSL}", f"C:\\ada\\{HSL}", f"ada\\..\\{HSL}"]
 )
-@pytest.mark.parametrize("inside", [True, False])
-def test_names_that_lead_out_of_a_zip_lead_nowhere(look, tmp_path, name, inside):
-    if inside:
-        packed(tmp_path / "in" / "ada" / "my.zip", {name: NOTEBOOK})
-        path = tmp_path / "in"
-    else:
-        path = packed(tmp_path / "in.zip", {name: NOTEBOOK})
-    found = look(path)
-    assert found.submissions == ()
-    told = [*(each.reason for each in found.refused), *found.unknown]
-    assert len(told) == 1
-    if inside:
-        assert reasons(found) == {("ada", "01_hsl_filtering"): "its name in the zip leads outside of it"}
+def test_names_that_lead_out_of_a_zip_lead_nowhere(look, tmp_path, name):
+    packed(tmp_path / "in" / "ada" / "my.zip", {name: NOTEBOOK})
+    found = look(tmp_path / "in")
+    assert found.submissions == found.unknown == ()
+    assert reasons(found) == {("ada", "01_hsl_filtering"): "its name in the zip leads outside of it"}
+    found = look(packed(tmp_path / "in.zip", {name: NOTEBOOK}))
+    assert found.submissions == () and len(found.refused) + len(found.unknown) == 1
 
 
 def test_a_link_in_a_zip_is_refused(look, tmp_path):
     packed(tmp_path / "in" / "ada" / "my.zip", {HSL: b"/etc/passwd"}, mode=stat.S_IFLNK | 0o777)
-    assert reasons(look(tmp_path / "in")) == {
-        ("ada", "01_hsl_filtering"): "it is a symbolic link, not a file or folder"
-    }
+    (reason,) = reasons(look(tmp_path / "in")).values()
+    assert reason == "it is a symbolic link, not a file or folder"
 
 
 def test_a_zip_bomb_is_refused_and_the_others_are_not(look, tmp_path):
-    packed(tmp_path / "in" / "ada" / "my.zip", {HSL: bytes(40 * 2**20)})
-    packed(tmp_path / "in" / "eve" / "my.zip", {HSL: bytes(60 * 2**20)})
-    put(tmp_path / "in", f"bob/{HSL}")
-    found = look(tmp_path / "in")
-    assert who(found) == [("bob", "01_hsl_filtering")]
-    assert all(
-        re.search("zip bomb: unpacking turns 0.0. MB into [46]0.00 MB", reason)
-        for reason in reasons(found).values()
-    )
-    assert len(found.refused) == 2
+    for student, size in (("ada", 40), ("eve", 60)):
+        packed(tmp_path / "in" / student / "my.zip", {HSL: bytes(size * 2**20)})
+    found = look(put(tmp_path / "in", f"bob/{HSL}"))
+    assert who(found) == [("bob", "01_hsl_filtering")] and len(found.refused) == 2
+    said = "zip bomb: unpacking turns 0.0. MB into [46]0.00 MB"
+    assert all(re.search(said, reason) for reason in reasons(found).values())
 
 
 def test_a_zip_that_lies_about_sizes_is_refused(look, tmp_path):

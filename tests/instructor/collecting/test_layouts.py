@@ -55,32 +55,33 @@ class Sample:
 
 
 _BLACKBOARD = "Lab {}_s124_attempt_2024-10-{}-22-59-10"
+
+
+_MOODLE = "Ada Lovelace_1234567_assignsubmission_file_"
+_SAKAI = "Lovelace, Ada(adalovelace)"
+_NBGRADER = "inbound/ada+01_hsl_filtering+2026-11-20 21:4"
+OTHER = {"platform": "Files and folders"}
 SAMPLES = {
     "Moodle, folders": Sample(
         "Ada Lovelace_1234567",
-        f"Ada Lovelace_1234567_assignsubmission_file_/old {HSL}",
-        f"Ada Lovelace_1234567_assignsubmission_file_/sub/{HSL}",
-        f"Ada Lovelace_1234567_assignsubmission_file_/{NEXT}",
+        f"{_MOODLE}/old {HSL}",
+        f"{_MOODLE}/sub/{HSL}",
+        f"{_MOODLE}/{NEXT}",
         ("Ada Lovelace_1234567_assignsubmission_onlinetext_/onlinetext.html",),
     ),
     "Moodle, no folders": Sample(
         "Ada Lovelace_1234567",
-        f"Ada Lovelace_1234567_assignsubmission_file_a {HSL}",
-        f"Ada Lovelace_1234567_assignsubmission_file_{HSL}",
-        f"Ada Lovelace_1234567_assignsubmission_file_{NEXT}",
+        f"{_MOODLE}a {HSL}",
+        f"{_MOODLE}{HSL}",
+        f"{_MOODLE}{NEXT}",
         ("Ada Lovelace_1234567_assignsubmission_onlinetext_onlinetext.html",),
     ),
     "Moodle, blind": Sample(
         "Participant_1234567",
-        f"Participant_1234567_assignsubmission_file_/a {HSL}",
-        f"Participant_1234567_assignsubmission_file_/{HSL}",
-        f"Participant_1234567_assignsubmission_file_/{NEXT}",
+        *(f"Participant_1234567_assignsubmission_file_/{name}" for name in (f"a {HSL}", HSL, NEXT)),
     ),
     "Moodle, groups": Sample(
-        "Ada Lovelace_1234567",
-        f"Group A-Ada Lovelace_1234567_assignsubmission_file_/a {HSL}",
-        f"Ada Lovelace_1234567_assignsubmission_file_/{HSL}",
-        f"Lab2-Ada Lovelace_1234567_assignsubmission_file_/{NEXT}",
+        "Ada Lovelace_1234567", f"Group A-{_MOODLE}/a {HSL}", f"{_MOODLE}/{HSL}", f"Lab2-{_MOODLE}/{NEXT}"
     ),
     "Canvas": Sample(
         "lovelaceada_123456",
@@ -114,27 +115,23 @@ SAMPLES = {
     ),
     "Blackboard, flat": Sample(
         "s124",
-        f"{_BLACKBOARD.format(1, '01')}_{HSL}",
-        f"{_BLACKBOARD.format(1, '02')}_{HSL}",
+        *(f"{_BLACKBOARD.format(1, day)}_{HSL}" for day in ("01", "02")),
         f"{_BLACKBOARD.format(2, '08')}_{NEXT}",
-        (f"{_BLACKBOARD.format(1, '01')}.txt", f"{_BLACKBOARD.format(1, '02')}.txt"),
+        tuple(f"{_BLACKBOARD.format(1, day)}.txt" for day in ("01", "02")),
     ),
     "Blackboard, folders": Sample(
         "s124",
-        f"{_BLACKBOARD.format(1, '01')}/{HSL}",
-        f"{_BLACKBOARD.format(1, '02')}/{HSL}",
+        *(f"{_BLACKBOARD.format(1, day)}/{HSL}" for day in ("01", "02")),
         f"{_BLACKBOARD.format(2, '08')}/{NEXT}",
     ),
     "Sakai": Sample(
-        "Lovelace, Ada(adalovelace)",
-        f"Lesson 01/Lovelace, Ada(adalovelace)/Submission attachment(s)/a {HSL}",
-        f"Lesson 01/Lovelace, Ada(adalovelace)/Submission attachment(s)/{HSL}",
-        f"Lesson 02/Lovelace, Ada(adalovelace)/Submission attachment(s)/{NEXT}",
+        _SAKAI,
+        *(f"Lesson 01/{_SAKAI}/Submission attachment(s)/{name}" for name in (f"a {HSL}", HSL)),
+        f"Lesson 02/{_SAKAI}/Submission attachment(s)/{NEXT}",
         (
             "Lesson 01/grades.csv",
-            "Lesson 01/Lovelace, Ada(adalovelace)/timestamp.txt",
-            "Lesson 01/Lovelace, Ada(adalovelace)/comments.txt",
-            "Lesson 01/Lovelace, Ada(adalovelace)/Feedback Attachment(s)/note.pdf",
+            *(f"Lesson 01/{_SAKAI}/{name}" for name in ("timestamp.txt", "comments.txt")),
+            f"Lesson 01/{_SAKAI}/Feedback Attachment(s)/note.pdf",
         ),
     ),
     "nbgrader, submitted": Sample(
@@ -147,62 +144,52 @@ SAMPLES = {
     ),
     "nbgrader, inbound": Sample(
         "ada",
-        f"inbound/ada+01_hsl_filtering+2026-11-20 21:45:00 UTC/{HSL}",
-        f"inbound/ada+01_hsl_filtering+2026-11-20 21:46:00.250000 UTC+aGVsbG8-_w==/{HSL}",
+        f"{_NBGRADER}5:00 UTC/{HSL}",
+        f"{_NBGRADER}6:00.250000 UTC+aGVsbG8-_w==/{HSL}",
         f"inbound/ada+02_goal_posts+2026-11-27 21_45_00 UTC/{NEXT}",
-        ("inbound/ada+01_hsl_filtering+2026-11-20 21:45:00 UTC/timestamp.txt",),
+        (f"{_NBGRADER}5:00 UTC/timestamp.txt",),
         platform="nbgrader",
     ),
     "Gradescope": Sample(
         "Ada Lovelace (ada@uni.example)",
-        f"assignment_12_export/submission_30000/{HSL}",
-        f"assignment_12_export/submission_30001/{HSL}",
+        *(f"assignment_12_export/submission_3000{number}/{HSL}" for number in (0, 1)),
         f"assignment_12_export/submission_30002/{NEXT}",
         more=(("assignment_12_export/submission_metadata.yml", METADATA),),
     ),
     "Teams": Sample(
         "Ada Lovelace",
-        f"Submitted files/Ada Lovelace/Lesson 01/Version 9/{HSL}",
-        f"Submitted files/Ada Lovelace/Lesson 01/Version 10/{HSL}",
+        *(f"Submitted files/Ada Lovelace/Lesson 01/Version {version}/{HSL}" for version in (9, 10)),
         f"Submitted files/Ada Lovelace/Lesson 02/Version 1/{NEXT}",
         (f"Working files/Ada Lovelace/Lesson 01/{HSL}",),
     ),
     "GitHub Classroom": Sample(
         "adalovelace",
-        f"lesson-01-submissions/lesson-01-adalovelace/old {HSL}",
-        f"lesson-01-submissions/lesson-01-adalovelace/{HSL}",
+        *(f"lesson-01-submissions/lesson-01-adalovelace/{name}" for name in (f"old {HSL}", HSL)),
         f"lesson-02-submissions/lesson-02-adalovelace/{NEXT}",
     ),
     "ILIAS": Sample(
         "Lovelace_Ada_adalovelace_1234567",
-        f"Lovelace_Ada_adalovelace_1234567/20261120204500_{HSL}",
-        f"Lovelace_Ada_adalovelace_1234567/20261121204500_{HSL}",
+        *(f"Lovelace_Ada_adalovelace_1234567/202611{day}204500_{HSL}" for day in (20, 21)),
         f"Lovelace_Ada_adalovelace_1234567/{NEXT}",
     ),
-    "Drive": Sample(
-        "Ben", f"Ben - Copy of {HSL}", f"Ben - {HSL}", f"Ben - Kopie von {NEXT}", platform="Files and folders"
-    ),
+    "Drive": Sample("Ben", f"Ben - Copy of {HSL}", f"Ben - {HSL}", f"Ben - Kopie von {NEXT}", **OTHER),
     "hub": Sample(
-        "Ada Lovelace_1234567",
-        f"Ada Lovelace_1234567/kept {HSL}",
-        f"Ada Lovelace_1234567/{HSL}",
-        f"Ada Lovelace_1234567/{NEXT}",
+        "Ada_1234567",
+        *(f"Ada_1234567/{name}" for name in (f"kept {HSL}", HSL, NEXT)),
         ("worlds.csv",),
-        platform="Files and folders",
+        **OTHER,
     ),
     "unknown, with a date": Sample(
         "Ada Lovelace",
-        f"Ada Lovelace_2026-11-20_2145_{HSL}",
-        f"Ada Lovelace_2026-11-20_2146_{HSL}",
+        *(f"Ada Lovelace_2026-11-20_214{minute}_{HSL}" for minute in (5, 6)),
         f"Ada Lovelace_2026-11-27_2146_{NEXT}",
-        platform="Files and folders",
+        **OTHER,
     ),
     "unknown, with attempts": Sample(
         "Ada Lovelace",
-        f"Ada Lovelace (attempt 9)/{HSL}",
-        f"Ada Lovelace (attempt 10)/{HSL}",
+        *(f"Ada Lovelace (attempt {number})/{HSL}" for number in (9, 10)),
         f"Ada Lovelace (attempt 1)/{NEXT}",
-        platform="Files and folders",
+        **OTHER,
     ),
 }
 
@@ -220,7 +207,7 @@ def test_every_layout_has_one_student_whose_newest_attempt_counts(tmp_path, name
         for (
             at,
             content,
-        ) in files.items():  # the newest attempt is the oldest file, unless nothing else orders them
+        ) in files.items():  # the newest attempt is the oldest file, if nothing else orders them
             put(place, at.replace(":", "_"), content=content)
     first = {at: content for at, content in files.items() if at != sample.following}
     alone = packed(tmp_path / "first.zip", first)
@@ -243,48 +230,37 @@ def test_the_next_week_has_the_same_students_and_no_guard_stops_a_platforms_own_
         assert who(found) == [(sample.student, NEXT[:-6])] and not found.wrapper
 
 
-@pytest.mark.parametrize(
-    ("names", "asked"),
-    [
-        ([f"2026-11-20/{HSL}"], "is a date or an attempt"),
-        ([f"submission_30000/{HSL}"], "submission_metadata.yml"),
-        ([f"Ada 03-04-2026/{HSL}", f"Ada 04-03-2026/{HSL}"], "cannot be read"),
-        ([f"Ada 9:26 PM_{HSL}"], "cannot be read"),
-        ([f"ada_20261120_{HSL}", f"ada_20261121_{HSL}"], "attempts of one student"),
-        ([f"Ada/{HSL}", f"Ada (1)/{HSL}"], "attempts of one student"),
-        ([f"jan/{HSL}", f"jan_2/{HSL}", f"Jan-3/{HSL}"], "rename them"),
-        ([f"jan_{HSL}", f"jan 2_{HSL}"], "rename them"),
-        (
-            [f"50-6 - Ada - Nov 20, 2026 932 PM/{HSL}", f"51-6 - Ada - Nov 21, 2026 932 PM/{HSL}"],
-            "different numbers",
-        ),
-        ([f"a_b_c_attempt_2024-10-01-22-59-10_{HSL}"], "cannot be distinguished"),
-        ([f"x+y+2026-13-20 21:45:00 UTC/{HSL}"], "cannot be read"),
-        (["submission-20260301-120000.zip"], "names no student"),
-    ],
-)
-def test_what_is_not_understood_is_asked_about_and_never_guessed(tmp_path, names, asked):
+NOT_UNDERSTOOD = {
+    "is a date or an attempt": ["2026-11-20/"],
+    "submission_metadata.yml": ["submission_30000/"],
+    "cannot be read": ["Ada 9:26 PM_"],
+    "cannot be read ": ["Ada 03-04-2026/", "Ada 04-03-2026/"],
+    "cannot be read  ": ["x+y+2026-13-20 21:45:00 UTC/"],
+    "attempts of one student": ["ada_20261120_", "ada_20261121_"],
+    "attempts of one student ": ["Ada/", "Ada (1)/"],
+    "rename them": ["jan/", "jan_2/", "Jan-3/"],
+    "rename them ": ["jan_", "jan 2_"],
+    "different numbers": [f"5{k}-6 - Ada - Nov 2{k}, 2026 932 PM/" for k in (0, 1)],
+    "cannot be distinguished": ["a_b_c_attempt_2024-10-01-22-59-10_"],
+    "names no student": ["submission-20260301-120000.zip"],
+}
+
+
+@pytest.mark.parametrize("asked", NOT_UNDERSTOOD)
+def test_what_is_not_understood_is_asked_about_and_never_guessed(tmp_path, asked):
+    names = [each if each.endswith(".zip") else each + HSL for each in NOT_UNDERSTOOD[asked]]
     path = packed(tmp_path / "in.zip", dict.fromkeys([*names, f"zoe/{HSL}"], answered(1)))
     found = gather(path, tmp_path / "scratch", LESSONS)
     assert who(found) == [("zoe", HSL[:-6])]
-    assert len(found.not_graded) == len(names) and all(asked in line for line in found.not_graded)
+    assert len(found.not_graded) == len(names)
+    assert all(asked.strip() in line for line in found.not_graded)
     assert all("folder" in line or "names no" in line for line in found.not_graded)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "20211123",
-        "ada_20211123",
-        "team_7",
-        "s124",
-        "lovelace2026",
-        "12-34-5678",
-        "Maja Novak",
-        "ada (1)",
-        "v2",
-    ],
-)
+NO_DATES = "20211123;ada_20211123;team_7;s124;lovelace2026;12-34-5678;Maja Novak;ada (1);v2"
+
+
+@pytest.mark.parametrize("name", NO_DATES.split(";"))
 def test_numbers_of_students_are_no_dates(tmp_path, name):
     found = gather(packed(tmp_path / "in.zip", {f"{name}/{HSL}": answered(1)}), tmp_path, LESSONS)
     assert who(found) == [(name, HSL[:-6])] and not found.unknown
@@ -308,22 +284,18 @@ def test_a_student_keeps_the_name_that_an_earlier_version_took_from_the_folder(t
 
 def test_blackboards_receipt_tells_a_title_from_a_user_that_both_have_underscores(tmp_path):
     start = "Lab_1_ada_l_attempt_2024-10-01-22-59-10"
-    files = {
-        f"{start}_{HSL}": answered(1),
-        f"{start}.txt": b"Name: Ada (eve) (ada_l)\r\nAssignment: Lab_1 (eve)",
-    }
-    assert students_in(tmp_path, "receipt", files) == ["ada_l"]
-    forged = {
-        f"{start}_{HSL}": answered(1),
-        f"{start}_notes.txt": b"Name: Lovelace (l)",
-        f"{start.replace('ada_l', 'l')}/{start}.txt": b"Name: Lovelace (l)",
-    }
-    assert students_in(tmp_path, "forged", forged) == []
+    files = {f"{start}_{HSL}": answered(1)}
+    receipt = {f"{start}.txt": b"Name: Ada (eve) (ada_l)\r\nAssignment: Lab_1 (eve)"}
+    assert students_in(tmp_path, "receipt", files | receipt) == ["ada_l"]
+    forged = (f"{start}_notes.txt", f"{start.replace('ada_l', 'l')}/{start}.txt")
+    assert students_in(tmp_path, "forged", files | dict.fromkeys(forged, b"Name: Lovelace (l)")) == []
     lesson = [f"{HSL[:-6]}_ada_l_attempt_2024-10-01-22-59-10_{HSL}"]
     assert students_in(tmp_path, "lesson", lesson) == ["ada_l"]
 
 
 STUDENTS = ["Ada Lovelace", "lovelace_ada", "s124", "José Núñez", "李明", "O'Brien, Mae", "nao 7"]
+
+
 TIMES = [
     "{:%Y-%m-%d %H:%M}",
     "{:%Y%m%d-%H%M%S}",
@@ -386,34 +358,12 @@ def test_canvas_knows_its_own_names_again():
 
 
 LONG = 60_000
-PIECES = [
-    "1",
-    "a",
-    "_",
-    "-",
-    " ",
-    ".",
-    "(1)",
-    "_1",
-    "-1",
-    " copy",
-    "copy of ",
-    "-0a",
-    "\n",
-    HSL[:-6],
-    "1-",
-    "Nov 1, ",
-]
-PIECES += [
-    "_1_assignsubmission_file_",
-    "_attempt_2024-",
-    "+",
-    "(a",
-    " - ",
-    "2026-11-",
-    "20261120",
-    "attempt ",
-]
+
+
+PIECES = ["1", "a", "_", "-", " ", ".", "(1)", "_1", "-1", " copy", "copy of ", "-0a", "\n", HSL[:-6], "1-"]
+
+
+PIECES += ["Nov 1, ", "_1_assignsubmission_file_", "_attempt_2024-", "+", "(a", " - ", "2026-11-", "attempt "]
 
 
 @pytest.mark.parametrize("piece", PIECES)

@@ -10,20 +10,20 @@ from tests.handed_in import HSL, LESSONS, NOTEBOOK, packed, put
 TEXT = "hue_mask: red is right\n"
 
 
-def test_a_file_in_a_students_folder_is_that_students(tmp_path):
+def test_a_file_in_a_students_folder_or_zip_is_that_students(tmp_path):
     folder = put(tmp_path / "in", f"ada/{REQUEST}", f"ben/{HSL}", content=TEXT.encode())
-    assert request_files(folder, tmp_path, LESSONS, ()) == ({"ada": TEXT}, [])
-
-
-@pytest.mark.parametrize("zipped", [False, True])
-def test_a_file_in_a_students_zip_in_a_platforms_zip_is_found(tmp_path, zipped):
-    mine = packed(tmp_path / "mine.zip", {HSL: NOTEBOOK, REQUEST: TEXT.encode()})
-    name = "Ada Lovelace_1234567_assignsubmission_file_/submission-20261120-101010.zip"
-    if zipped:
-        place = packed(tmp_path / "moodle.zip", {name: mine.read_bytes()})
-    else:
-        place = put(tmp_path / "in", name, content=mine.read_bytes())
-    assert request_files(place, tmp_path, LESSONS, ()) == ({"Ada Lovelace_1234567": TEXT}, [])
+    mine = packed(tmp_path / "mine.zip", {HSL: NOTEBOOK, REQUEST: TEXT.encode()}).read_bytes()
+    moodle = "Ada L_1234567_assignsubmission_file_/submission-20261120-101010.zip"
+    canvas = {f"lovelaceada_12_34_{REQUEST}": TEXT.encode(), f"bob_1_2_{HSL}": NOTEBOOK}
+    late = {"lovelaceada_LATE_12_34_Regrade_Request-1.txt": TEXT.encode(), f"bob_1_2_{HSL}": NOTEBOOK}
+    for place, student in (
+        (folder, "ada"),
+        (packed(tmp_path / "moodle.zip", {moodle: mine}), "Ada L_1234567"),
+        (put(tmp_path / "moodle", moodle, content=mine), "Ada L_1234567"),
+        (packed(tmp_path / "canvas.zip", canvas), "lovelaceada_12"),
+        (packed(tmp_path / "late.zip", late), "lovelaceada_12"),
+    ):
+        assert request_files(place, tmp_path, LESSONS, ()) == ({student: TEXT}, [])
 
 
 def test_a_file_that_cannot_be_read_is_named(tmp_path):
@@ -44,17 +44,11 @@ def test_a_folder_that_may_be_a_students_asks_nothing_in_a_classmates_name(tmp_p
     assert texts == {"Zoe": TEXT} and all("several students" in line for _, line in problems)
 
 
-@pytest.mark.parametrize(
-    "name", [f"lovelaceada_12_34_{REQUEST}", "lovelaceada_LATE_12_34_Regrade_Request-1.txt"]
-)
-def test_canvass_single_files_are_found(tmp_path, name):
-    path = packed(tmp_path / "in.zip", {name: TEXT.encode(), f"bob_1_2_{HSL}": NOTEBOOK})
-    assert request_files(path, tmp_path, LESSONS, ()) == ({"lovelaceada_12": TEXT}, [])
-
-
-def test_a_path_that_is_no_folder_of_submissions_is_refused(tmp_path):
+def test_a_file_is_refused_and_grading_does_not_list_a_request_as_left_out(tmp_path):
     with pytest.raises(ValueError, match="is not a folder of submissions"):
         request_files(put(tmp_path, "x.txt") / "x.txt", tmp_path, LESSONS, ())
+    found = gather(put(tmp_path / "in", f"ada/{HSL}", f"ada/{REQUEST}"), tmp_path / "scratch", LESSONS)
+    assert len(found.submissions) == 1 and found.unknown == ()
 
 
 EXERCISES = [
@@ -89,10 +83,3 @@ def test_a_line_about_no_exercise_is_named_and_not_added_to_the_reason_above(lin
     assert found == {("01_hsl_filtering", "hue_mask"): "red"}
     assert len(lost) == 1 and line[:6] in lost[0]
     assert requests_in("Hello!\nhue_mask: red", EXERCISES)[1] != []
-
-
-def test_grading_does_not_list_a_request_as_left_out(tmp_path):
-    folder = put(tmp_path / "in", f"ada/{HSL}", f"ada/{REQUEST}")
-    (tmp_path / "scratch").mkdir()
-    found = gather(folder, tmp_path / "scratch", LESSONS)
-    assert len(found.submissions) == 1 and found.unknown == ()
