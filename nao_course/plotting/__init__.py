@@ -7,6 +7,7 @@ The package does not use pyplot, so that a figure is never shown twice and does 
 from nao_course._internal.lazy_names import list_public
 from nao_course.plotting.drawing import Drawing, Table, image_tag, table
 from nao_course.plotting.ellipses import ellipse_outlines, estimate_outlines, plot_ellipse
+from nao_course.plotting.guesses import Guess, guessed, with_guess
 from nao_course.plotting.maps import draw_map, plot_estimate, plot_field, plot_landmarks, plot_measurements
 from nao_course.plotting.paths import PathLike, as_path, plot_path, plot_pose
 from nao_course.plotting.pictures import (
@@ -24,6 +25,7 @@ __all__ = [
     "LANDMARK_MARKERS",
     "STYLES",
     "Drawing",
+    "Guess",
     "PathLike",
     "Style",
     "Table",
@@ -35,6 +37,7 @@ __all__ = [
     "draw_pictures",
     "ellipse_outlines",
     "estimate_outlines",
+    "guessed",
     "image_tag",
     "painted",
     "plot_ellipse",
@@ -48,5 +51,6 @@ __all__ = [
     "plot_pose",
     "style_of",
     "table",
+    "with_guess",
 ]
 __dir__ = list_public(__name__)

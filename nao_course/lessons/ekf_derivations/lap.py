@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 
 from nao_course.geometry import FloatArray
 from nao_course.lessons.ekf_derivations.samples import Cloud
-from nao_course.plotting import STYLES, Drawing, course_style, plot_ellipse, plot_path
+from nao_course.plotting import STYLES, Drawing, Guess, course_style, plot_ellipse, plot_path, with_guess
 from nao_course.plotting.legends import legend_below
 from nao_course.sim import OdometryNoise, repeat_drive
 from nao_course.slam import Motion
@@ -135,12 +135,18 @@ class LapPanel(PlayerPanel):
     ----------
     predict_pose, predict_covariance : callable, optional
         The student's functions so far. Without the first the estimate stays at the start.
+    guess : Guess, optional
+        Predicted distance of a typical robot from its start, m, which is drawn as a circle.
     """
 
     def __init__(
-        self, predict_pose: Function | None = None, predict_covariance: Function | None = None
+        self,
+        predict_pose: Function | None = None,
+        predict_covariance: Function | None = None,
+        guess: Guess | None = None,
     ) -> None:
         """Draw the start and build the widgets."""
+        self._guess = guess
         given = {"predict_pose": predict_pose, "predict_covariance": predict_covariance}
         begin = 3 * SIDE_STEPS if predict_pose is None else len(LAP)
         super().__init__(
@@ -156,5 +162,6 @@ class LapPanel(PlayerPanel):
         """Follow the commands with the functions that there are."""
         functions = student.get("predict_pose"), student.get("predict_covariance")
         found = estimates(*functions, int(values.command))
-        yield {"": draw_lap(found)}
+        drawn = draw_lap(found)
+        yield {"": with_guess(drawn, self._guess, "radius") if self._guess else drawn}
         yield say_lap(found)

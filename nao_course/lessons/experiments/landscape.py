@@ -22,7 +22,7 @@ from nao_course.lessons.experiments.resampling import (
     shares_won,
 )
 from nao_course.lessons.experiments.scenes import nothing_costs, search_scenes, simulated_scenes
-from nao_course.plotting import STYLES, Drawing, Table, course_style
+from nao_course.plotting import STYLES, Drawing, Guess, Table, course_style, with_guess
 from nao_course.plotting import table as make_table
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY
@@ -224,8 +224,11 @@ def draw_winners(table: CostTable) -> Drawing:
 
 
 @course_style()
-def draw_optimism(table: CostTable) -> Drawing:
-    """Draw the cost of the best setting of one half of the scenes, on that half and on the other half."""
+def draw_optimism(table: CostTable, guess: Guess | None = None) -> Drawing:
+    """Draw the cost of the best setting of one half of the scenes, on that half and on the other half.
+
+    A `guess` of how much higher the second cost is on average is marked.
+    """
     found = optimism(as_table(table))
     figure = Figure(figsize=(8.6, 3.6))
     ax = figure.add_subplot()
@@ -243,12 +246,14 @@ def draw_optimism(table: CostTable) -> Drawing:
     )
     ax.set(xlabel="mean cost of the chosen setting on fifteen scenes", ylabel="number of divisions")
     legend_below(figure, ax.get_legend_handles_labels()[0])
-    return Drawing(
+    drawn = Drawing(
         figure,
         f"The scenes were divided into halves {len(found.promised)} times. The setting that is best on one half costs "
         f"{found.promised.mean():.2f} there on average and {found.kept.mean():.2f} on the other half; the mean of all "
         f"settings is {found.any_setting:.2f}.",
     )
+    promised = float(found.promised.mean())
+    return with_guess(drawn, guess, "x", place=lambda more: promised + more) if guess else drawn
 
 
 def broken_promise(table: CostTable) -> float:

@@ -25,7 +25,17 @@ from nao_course.lessons.localization.drives import (
     updated,
 )
 from nao_course.metrics import squared_distances
-from nao_course.plotting import STYLES, Drawing, course_style, plot_field, plot_landmarks, plot_pose
+from nao_course.plotting import (
+    STYLES,
+    Drawing,
+    Guess,
+    course_style,
+    guessed,
+    plot_field,
+    plot_landmarks,
+    plot_pose,
+)
+from nao_course.plotting.guesses import GUESS
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.style import GREY, HALO
 from nao_course.sim import SensorNoise
@@ -166,6 +176,7 @@ def draw_cloud(
     covariance_ellipse: Callable[..., Any],
     probabilities: Sequence[float],
     samples: int = 2000,
+    guess: Guess | None = None,
 ) -> Drawing:
     """Draw samples of a Gaussian, and the ellipses that should contain given fractions of them.
 
@@ -179,6 +190,8 @@ def draw_cloud(
         One for each ellipse.
     samples : int
         Number of points, drawn from seed 6.
+    guess : Guess, optional
+        Predicted percentage inside the one-sigma ellipse; the ellipse that contains it is added.
 
     Returns
     -------
@@ -205,6 +218,11 @@ def draw_cloud(
             label=f"{_name_of(probability)}: {100 * part:.1f} % inside",
         )
         words.append(f"{100 * part:.1f} % are inside the {_name_of(probability)}")
+    percent = guess and guessed(guess)
+    if percent and percent < 100:
+        axes, angle = ellipse_of(covariance_ellipse, matrix, percent / 100)
+        add_ellipse(ax, np.zeros(2), axes, angle, GUESS, ls=":", label=f"you: {percent:g} % inside")
+        words.append(f"a dotted ellipse contains the {percent:g} % that you predicted")
     ax.set(aspect="equal", xlim=(-1.1, 1.1), xticks=np.arange(-1, 1.1, 0.5))
     ax.set(xlabel="error along x (m)", ylabel="error along y (m)")
     legend_below(figure, ax.get_legend_handles_labels()[0], columns=3)
