@@ -40,6 +40,14 @@ COMMON_CSS = """
   background: var(--jp-layout-color1, white); color: var(--jp-ui-font-color1, black); caret-color: transparent; }
 .nao-panel .nao-keys:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
 .nao-panel :focus-visible { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
+.nao-panel.jupyter-widgets-disconnected { position: relative; }
+.nao-panel.jupyter-widgets-disconnected::before, .nao-panel .jupyter-widgets-disconnected::before { content: none; }
+.nao-panel.jupyter-widgets-disconnected > * { opacity: 0.3; filter: grayscale(1); pointer-events: none; }
+.nao-panel.jupyter-widgets-disconnected::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 12px;
+  padding: 10px 14px; border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px;
+  color: var(--jp-ui-font-color1, black); background: var(--jp-layout-color1, white); box-shadow: 0 1px 8px #0006;
+  content: "The kernel was restarted, so this panel no longer works. Run its cell again; if a name is missing then, \
+choose Run All Above Selected Cell in the menu Run."; }
 """
 
 
@@ -69,19 +77,29 @@ class LabelledImage(anywidget.AnyWidget):
     """A picture with a text alternative, which the pictures of ipywidgets do not have.
 
     `value` is the file and `format` its kind, such as "jpeg". A tooltip would need a description, without which
-    ipywidgets shows no picture.
+    ipywidgets shows no picture. A page shows the newest picture when it has loaded the one before, and answers with the
+    number of each picture that was given to `show`: `asked` is the latest number and `shown` the latest answer.
     """
 
     _esm = """
     export default { render({ model, el }) {
       const image = document.createElement("img");
-      let url = "";
+      let url = "", loading = false, newer = false, asked = 0;
       const name = () => { image.alt = model.get("alt"); };
       const show = () => {
+        newer = loading;
+        if (loading || !model.get("value").byteLength) return;
         const before = url;
+        loading = true;
+        asked = model.get("asked");
         url = URL.createObjectURL(new Blob([model.get("value")], { type: `image/${model.get("format")}` }));
         image.src = url;
         URL.revokeObjectURL(before);
+      };
+      image.onload = image.onerror = () => {
+        loading = false;
+        if (asked) model.send({ shown: asked });
+        if (newer) show();
       };
       model.on("change:alt", name);
       model.on("change:value", show);
@@ -94,6 +112,27 @@ class LabelledImage(anywidget.AnyWidget):
     value = traitlets.Bytes(b"").tag(sync=True)
     format = traitlets.Unicode("jpeg").tag(sync=True)
     alt = traitlets.Unicode("").tag(sync=True)
+    asked = traitlets.Int(0).tag(sync=True)
+
+    def __init__(self, **values: Any) -> None:
+        """Begin without an answer of a page."""
+        super().__init__(**values)
+        self.shown = 0
+        self.on_msg(self._note)
+
+    def show(self, value: bytes, alt: str) -> None:
+        """Show a picture, and let the pages answer."""
+        with self.hold_sync():
+            self.value, self.alt, self.asked = value, alt, self.asked + 1
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether a page that has answered before has not yet shown the latest picture."""
+        return 0 < self.shown < self.asked
+
+    def _note(self, widget: Any, message: Any, buffers: Any) -> None:
+        if isinstance(message, dict) and isinstance(number := message.get("shown"), int):
+            self.shown = number
 
 
 class RateLimited:

@@ -17,9 +17,10 @@ export class Controls {
     on("pointermove", (event) => this.drag(event));
     for (const name of ["pointerup", "pointercancel"]) on(name, (event) => this.pointers.delete(event.pointerId));
     on("contextmenu", (event) => event.preventDefault());
-    // Without a click first, the wheel scrolls the page.
+    // Without a click first, the wheel scrolls the page. In the control panel a click gives its key field the keys.
     on("wheel", (event) => {
-      if (document.activeElement !== canvas && canvas.getRootNode().activeElement !== canvas) return;
+      const { activeElement } = canvas.getRootNode();
+      if (activeElement !== canvas && !activeElement?.closest(".nao-panel")?.contains(canvas)) return;
       event.preventDefault();
       this.zoom(Math.exp(clamp(event.deltaY, [-200, 200]) * 0.0015));
     }, { passive: false });

@@ -4,7 +4,6 @@ import style from "./style.css";
 import { View } from "./view.js";
 
 const NAMES = { behind: "Behind", above: "Above", goal: "From the goal" };
-const KEYS = "Drag to turn, or use the arrow keys; + and − zoom, as does the mouse wheel after a click; 1, 2, 3 choose a view.";
 
 const make = (kind, className, parent) => {
   const element = document.createElement(kind);
@@ -32,16 +31,15 @@ export class Shell {
     // JupyterLab takes keys for its own commands, except below an element with this mark.
     this.root.dataset.lmSuppressShortcuts = "true";
     const views = make("div", "views", this.stage);
-    this.buttons = Object.keys(scene.presets).map((name, i) => {
+    this.buttons = Object.keys(scene.presets).map((name) => {
       const button = make("button", "", views);
       button.type = "button";
       button.textContent = NAMES[name] ?? name;
-      button.title = `Key ${i + 1}`;
       button.addEventListener("click", () => this.choose(name));
       return [name, button];
     });
     this.legend = make("div", "legend", this.stage);
-    make("div", "keys", this.root).textContent = KEYS;
+    make("div", "keys", this.root).textContent = this.model.get("hint");
     this.controls = new Controls(this.canvas, model.get("viewpoint"), {
       presets: Object.keys(scene.presets),
       choose: (name) => this.choose(name),
@@ -100,13 +98,13 @@ export class Shell {
   updateWords() {
     const words = this.model.get("summary");
     if (this.view) this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", `3-D view of the field. ${words}. ${KEYS}`);
+    this.canvas.setAttribute("aria-label", `3-D view of the field. ${words}. ${this.model.get("hint")}`);
     const { truth, estimate } = this.model.get("contents");
     const { sources } = this.model.get("scene");
     const source = this.model.get("source");
     const entries = [];
     if (truth) entries.push([sources.truth.colour, "true robot"]);
-    if (estimate) entries.push([sources[source].colour, `${sources[source].label} estimate`]);
+    if (estimate) entries.push([sources[source].colour, this.model.get("estimate_name") || `${sources[source].label} estimate`]);
     const key = JSON.stringify(entries);
     if (key === this.legendKey || (entries.length < 2 && !estimate)) return;
     this.legendKey = key;

@@ -275,7 +275,7 @@ const NaoMap = (() => {
       const width = this.root.clientWidth, [x0, y0, x1, y1] = this.scene.bounds, ratio = devicePixelRatio || 1;
       if (!width || !this.root.isConnected) return;
       const { left, right, top, bottom } = MARGIN;
-      const most = this.scene.tallest ?? 460;
+      const most = this.scene.tallest || this.root.clientHeight - this.legend.offsetHeight; // 0: as tall as its place
       const scale = Math.min((width - left - right) / (x1 - x0), (most - top - bottom) / (y1 - y0));
       const height = Math.round(scale * (y1 - y0) + top + bottom), own = Math.round(scale * (x1 - x0) + left + right);
       if (this.canvas.width !== Math.round(own * ratio) || this.canvas.height !== Math.round(height * ratio)) {
@@ -342,6 +342,7 @@ const NaoMap = (() => {
       this.keys = names;
       this.legend.replaceChildren(...shown.map(layer => {
         const entry = document.createElement("span");
+        if (layer.kind) entry.className = layer.kind;
         entry.append(key(layer, tone), layer.label);
         return entry;
       }));

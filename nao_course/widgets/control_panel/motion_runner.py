@@ -12,13 +12,15 @@ from nao_course.widgets.control_panel.waiting import WaitingMotions, in_words
 from nao_course.widgets.parts import BREATH
 
 PERIOD = 0.04  # s between two steps of a drive: 25 pictures a second
+PATIENCE = 1.0  # s that a drive waits until a page has shown its picture; the page may be closed
 
 
 class MotionRunner:
     """Runs the motions of a panel's robot, one after the other.
 
     `by_itself` returns the next motion while the robot drives by itself, or None. `refresh` takes new pictures and
-    shows everything after each small step; `show_status` is called when only the message has changed.
+    shows everything after each small step; `show_status` is called when only the message has changed. The next step
+    waits while `is_behind`, which says whether a page has not yet shown the latest pictures; `give_up` ends this.
     """
 
     def __init__(
@@ -27,8 +29,11 @@ class MotionRunner:
         by_itself: Callable[[], Motion | None],
         refresh: Callable[[], None],
         show_status: Callable[[], None],
+        is_behind: Callable[[], bool] = lambda: False,
+        give_up: Callable[[], None] = lambda: None,
     ) -> None:
         """Begin while the robot stands still."""
+        self._is_behind, self._give_up = is_behind, give_up
         self._cockpit, self._refresh, self._show_status = cockpit, refresh, show_status
         self._waiting = WaitingMotions(by_itself)
         self._task: asyncio.Task[None] | None = None
@@ -102,6 +107,7 @@ class MotionRunner:
             began = time.perf_counter()
             for _ in self._steps(upcoming):
                 await asyncio.sleep(max(BREATH, PERIOD - (time.perf_counter() - began)))
+                await self._until_shown()
                 began = time.perf_counter()
                 if self._stopping:
                     if not self.closed:
@@ -109,6 +115,14 @@ class MotionRunner:
                     self._show_status()
                     return
             upcoming = self._waiting.take()
+
+    async def _until_shown(self) -> None:
+        """Wait until the pages show the latest pictures, so that they do not fall behind the robot."""
+        end = time.perf_counter() + PATIENCE
+        while self._is_behind():
+            if self._stopping or time.perf_counter() > end:
+                self._give_up()
+            await asyncio.sleep(BREATH)
 
     def _steps(self, motion: Motion) -> Iterator[None]:
         """Run a motion step by step, with new pictures and a new map after each step; end if `slam` fails."""

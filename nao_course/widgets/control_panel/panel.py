@@ -100,7 +100,7 @@ class ControlPanel:
         self._own = StudentView(pipeline)
         self._first_head = nao.head
         names = self.cockpit.names(source, self._own.estimates)
-        field_map = VectorMap(nao.field, names, tallest=350)
+        field_map = VectorMap(nao.field, names, tallest=0)
         self._controls = Controls(
             {name: partial(self._guarded, action) for name, action in self._actions().items()},
             map_widget=field_map.widget,
@@ -121,7 +121,12 @@ class ControlPanel:
             lambda: self._drive.waiting_text(),
         )
         self._drive = MotionRunner(
-            self.cockpit, lambda: self._own.latest.motion, self._screen.refresh, self._screen.show_status
+            self.cockpit,
+            lambda: self._own.latest.motion,
+            self._screen.refresh,
+            self._screen.show_status,
+            self._screen.is_behind,
+            self._screen.give_up,
         )
         self._controls.show_truth.observe(lambda change: self._screen.show(), "value")
         self._controls.camera.observe(lambda change: self._guarded(self._screen.show_chosen), "value")

@@ -23,6 +23,7 @@ from nao_course.widgets.vector_map import MapContents, VectorMap
 from nao_course.widgets.world import WorldView
 
 WORLD_SIZE = (480, 340)  # px
+WORLD_HINT = "Drag to turn; the mouse wheel zooms after a click."  # the other keys drive the robot
 
 
 class Screen:
@@ -142,10 +143,19 @@ class Screen:
     def _show_picture(self, camera: str) -> None:
         image, caption = self._controls.images[camera], self._controls.captions[camera]
         pixels, whose = self._own.live(camera, self._camera, self._cockpit.pictures)
-        image.value, image.alt = jpeg(pixels), f"Live picture: {whose or f'{camera} camera'}"
+        image.show(jpeg(pixels), f"Live picture: {whose or f'{camera} camera'}")
         width, height = size = self._cockpit.pictures[camera].view.size
         live = "live" if size == LIVE_SIZE else f"{width} × {height}"
         _show(caption, f"<b>{html.escape((whose or f'{camera} camera').capitalize())}</b>, {live}")
+
+    def is_behind(self) -> bool:
+        """Return whether a page has not yet shown the latest pictures."""
+        return any(image.is_behind for image in self._controls.images.values())
+
+    def give_up(self) -> None:
+        """Stop waiting for a page that does not answer, until one does."""
+        for image in self._controls.images.values():
+            image.shown = 0
 
     def switch_face(self) -> None:
         """Show the field in three dimensions in the map's place, or the map again."""
@@ -154,6 +164,7 @@ class Screen:
             self._world = WorldView(
                 nao.field, WORLD_SIZE, model=nao.model, reality=nao.reality, source=self._source
             )
+            self._world.widget.hint = WORLD_HINT
         self._in_3d = not self._in_3d
         self._show_map()
         self._controls.show_face(self._world.widget if self._in_3d else None)
@@ -168,6 +179,8 @@ class Screen:
         cockpit, contents = self._cockpit, self.contents()
         truth = cockpit.truth.pose if "truth" in contents.paths and cockpit.truth is not None else None
         nothing = np.empty((0, 0, 3), dtype=np.uint8)
+        name = self._names["odometry" if self.estimate() is None else self._source]
+        world.widget.estimate_name = name
         world.update(
             truth,
             self.estimate() or cockpit.odometry[-1],

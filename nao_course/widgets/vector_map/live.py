@@ -70,7 +70,7 @@ class VectorMap:
     cells : str
         Name for the legend of the grid cells.
     tallest : int
-        Largest height of the map, px; its width follows the page.
+        Largest height of the map, px; its width follows the page. 0 fills a place whose height is fixed.
     tweens : bool
         Whether the browser moves the robot smoothly between two updates.
 

@@ -23,5 +23,10 @@ class WorldWidget(anywidget.AnyWidget):
     bottom = traitlets.Bytes().tag(sync=True)
     viewpoint = traitlets.Dict().tag(sync=True)
     summary = traitlets.Unicode().tag(sync=True)
+    hint = traitlets.Unicode(
+        "Drag to turn, or use the arrow keys; + and \N{MINUS SIGN} zoom, as does the mouse wheel after a click; "
+        "1, 2, 3 choose a view."
+    ).tag(sync=True)
+    estimate_name = traitlets.Unicode("").tag(sync=True)  # for the legend; by default the source's name
     needs_still = traitlets.Bool(False).tag(sync=True)  # a browser without WebGL shows pictures
     still = traitlets.Bytes().tag(sync=True)
