@@ -30,7 +30,7 @@ def test_there_are_many_kinds_of_odd_notebooks():
 TRIED = [
     (QUICK, 4),
     pytest.param(QUICK, 1, marks=pytest.mark.slow),
-    *(pytest.param([each], 36 if each == SLOWEST else 12, marks=pytest.mark.slow) for each in WITH_FUNCTIONS),
+    *(pytest.param([each], 72 if each == SLOWEST else 36, marks=pytest.mark.slow) for each in WITH_FUNCTIONS),
 ]
 
 
