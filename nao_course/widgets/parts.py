@@ -41,7 +41,8 @@ COMMON_CSS = """
 .nao-panel .nao-keys:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
 .nao-panel :focus-visible { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
 .nao-panel.jupyter-widgets-disconnected { position: relative; }
-.nao-panel.jupyter-widgets-disconnected::before, .nao-panel .jupyter-widgets-disconnected::before { content: none; }
+.nao-panel.jupyter-widgets-disconnected::before,
+.nao-panel .jupyter-widgets-disconnected.jupyter-widgets-disconnected::before { content: none !important; }
 .nao-panel.jupyter-widgets-disconnected > * { opacity: 0.3; filter: grayscale(1); pointer-events: none; }
 .nao-panel.jupyter-widgets-disconnected::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 12px;
   padding: 10px 14px; border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px;

@@ -31,13 +31,15 @@ class Accuracy:
     """The accuracy of an estimated pose: the distance from the true position, m, and the NEES of its `degrees` values.
 
     `radius` is the longest half axis of the position's 95 % ellipse, m. Each is None if it cannot be computed or the
-    truth is hidden; values without a variance do not count.
+    truth is hidden; values without a variance do not count. `worst` names the axis whose error is largest in units of
+    its standard deviation, with both: the error may be shorter than the longest half axis and still be too large.
     """
 
     error: float | None = None
     radius: float | None = None
     nees: float | None = None
     degrees: int = 0
+    worst: str = ""
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -78,7 +80,30 @@ def accuracy(estimate: Estimate | Pose, truth: Pose | None) -> Accuracy:
         )
     except np.linalg.LinAlgError:  # two values depend on each other exactly
         return Accuracy(error, radius)
-    return Accuracy(error, radius, nees, degrees) if nees >= 0 else Accuracy(error, radius)
+    if nees < 0:
+        return Accuracy(error, radius)
+    return Accuracy(error, radius, nees, degrees, _worst_axis(errors, covariance, pose.theta))
+
+
+def _worst_axis(errors: FloatArray, covariance: FloatArray, heading: float) -> str:
+    """Return the errors' worst axis, with its error and what is claimed there; empty if no axis alone is too large."""
+    variances, axes = np.linalg.eigh(covariance[:2, :2])
+    along = np.abs(axes.T @ (np.cos(heading), np.sin(heading))) > np.sqrt(0.5)
+    off = [*np.abs(axes.T @ errors[:2]), abs(errors[2])]
+    half = np.sqrt(_CIRCLE * np.maximum([*variances, covariance[2, 2]], 0.0))
+    ratios = [
+        error / size if size**2 > _CIRCLE * LEAST_VARIANCE else 0.0
+        for error, size in zip(off, half, strict=True)
+    ]
+    worst = int(np.argmax(ratios))
+    if ratios[worst] < 1:
+        return ""
+    if worst == 2:
+        error, claimed, where = f"{np.degrees(off[2]):.0f}°", f"{np.degrees(half[2]):.1f}°", "of heading"
+    else:
+        error, claimed = say_length(off[worst]), say_length(half[worst])
+        where = "along the heading" if along[worst] else "across the heading"
+    return f"{error} {where}, where ± {claimed} is claimed".replace("± <", "<")
 
 
 def _is_covariance(matrix: FloatArray) -> bool:
@@ -117,6 +142,8 @@ def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
     if shown.nees is not None:
         low, high = shown.bounds
         why = f"error {_SIZES[shown.verdict]} the ellipse says; NEES {_digits(shown.nees)}"
+        if shown.verdict == "overconfident" and shown.worst:
+            why = f"{shown.worst}; NEES {_digits(shown.nees)}"
         title = (
             f"NEES, the normalised estimation error squared, measures the error in units of the estimated covariance. "
             f"Here 95 % of consistent estimates have a NEES from {low:.1f} to {high:.1f}."

@@ -35,8 +35,11 @@ KEYS = {
 }
 VIEW_KEYS = {"view": ("v",)}  # only if functions of the student are ready
 ITSELF_KEYS = {"itself": ("g",)}  # only if the student's code chooses motions
-_KEY_WORDS = "Keyboard: W A S D or arrows walk, I J K L turn the head, space takes a picture, M measures, X or Escape stops"
-_MORE_KEY_WORDS = ", H looks ahead, C changes the camera, T shows three dimensions, O opens the settings"
+_KEY_WORDS = "Keyboard: W A S D or arrows walk, I J K L turn the head, X or Escape stops"
+_MORE_KEY_WORDS = (
+    ", space takes a picture, M measures, H looks ahead, C changes the camera, T shows three dimensions, "
+    "O opens the settings"
+)
 _VIEW_KEY_WORDS = ", V changes the view"
 _ITSELF_KEY_WORDS = ", G lets the robot go by itself"
 _CAPS = {" ": "Space", "x": "X \N{MIDDLE DOT} Esc"}  # keys whose caps do not have their letter alone
@@ -48,9 +51,11 @@ _CSS = """
   box-sizing: border-box; gap: 6px; border-radius: 8px; }
 .nao-cockpit > * { margin: 0; overflow: visible; flex: none; }
 .nao-cockpit:has(.nao-keys:focus) { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: -2px; }
-.nao-cockpit .nao-key-place { position: absolute; left: 0; top: 0; width: 1px; height: 1px; overflow: hidden; opacity: 0; }
+.nao-cockpit .nao-key-place { position: absolute; left: 0; top: 0; width: 1px; height: 1px; opacity: 0;
+  overflow: hidden; }
 .nao-cockpit .nao-ready .widget-html-content { display: flex; gap: 14px; line-height: 18px; font-size: 12px; }
-.nao-cockpit .nao-ready p { margin: 0; min-width: 90px; white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+.nao-cockpit .nao-ready p { margin: 0; min-width: 90px; white-space: nowrap; overflow: hidden;
+  text-overflow: ellipsis; }
 .nao-cockpit .nao-numbers .widget-html-content { display: grid; grid-template-columns: 3fr 3fr 4fr; gap: 6px; }
 .nao-cockpit .nao-tile { min-width: 0; padding: 1px 8px 2px; border-left: 4px solid #0b5fa5; border-radius: 4px;
   background: var(--jp-layout-color2, #eee); font-size: 12px; line-height: 20px; }

@@ -89,3 +89,21 @@ def test_the_tiles_say_the_numbers_and_their_verdict():
 )
 def test_lengths_are_whole_centimetres_up_to_a_metre(metres, said):
     assert say_length(metres) == said
+
+
+@pytest.mark.parametrize(
+    ("off", "said"),
+    [
+        ((0.0, 0.05, 0.0), "5 cm across the heading, where ± 2 cm is claimed"),
+        ((0.3, 0.0, 0.0), "30 cm along the heading, where ± 20 cm is claimed"),
+        ((0.0, 0.0, 0.2), "11° of heading, where ± 2.8° is claimed"),
+    ],
+)
+def test_an_overconfident_estimate_names_the_axis_that_is_too_small(off, said):
+    covariance = np.diag([0.08, 0.01, 0.02]) ** 2
+    turn = Pose(0.0, 0.0, 0.5)
+    at = turn @ Pose(*off)
+    c, s = np.cos(0.5), np.sin(0.5)
+    J = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    shown = accuracy(estimate(at.as_array(), J @ covariance @ J.T), turn)
+    assert shown.verdict == "overconfident" and said in numbers_html(shown, True, True)
