@@ -2,10 +2,9 @@
 
 import pytest
 
-from nao_course.exercises import load_definitions
-from tests.paths import SOLUTIONS
+from tests.lessons.every import own
 
 
 @pytest.fixture(scope="session")
 def solution():
-    return load_definitions(SOLUTIONS / "05_ekf_derivations.ipynb")
+    return own("05")

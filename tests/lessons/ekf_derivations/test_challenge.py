@@ -12,30 +12,23 @@ from benchmarks.challenges.jacobians import JACOBIAN_ENTRIES, LANDMARK, POSE, to
 from nao_course.challenges.running import run
 from nao_course.lessons.ekf_derivations.challenge import CHALLENGE, MOST_CALLS, WRONG, WrongJacobian, judge
 from nao_course.lessons.ekf_derivations.mistakes import MISTAKES, jacobian_at, with_mistake
-from tests.paths import SOLUTIONS
+from tests.lessons.every import text
 
 AT = (0.3, -0.2, 0.7), (2.1, 1.0)
 
 
-def test_the_right_matrix_is_the_solutions(solution):
-    wanted = np.hstack(
-        [solution["measurement_jacobian_pose"](*AT), solution["measurement_jacobian_landmark"](*AT)]
-    )
-    assert np.allclose(jacobian_at(*AT), wanted, atol=1e-8)
-
-
-def test_no_two_mistakes_look_alike_and_none_looks_right():
-    matrices = [np.round(with_mistake(name, *AT), 3) for name in MISTAKES]
-    matrices.append(np.round(jacobian_at(*AT), 3))
-    assert len({each.tobytes() for each in [matrix + 0.0 for matrix in matrices]}) == len(MISTAKES) + 1
-
-
-def test_dx_and_dy_change_places_and_the_signs_stay():
-    dx, dy = 1.8, 1.2
+def test_the_right_matrix_is_the_solutions_and_no_two_mistakes_look_alike_or_right(solution):
+    names = ("measurement_jacobian_pose", "measurement_jacobian_landmark")
+    assert np.allclose(jacobian_at(*AT), np.hstack([solution[name](*AT) for name in names]), atol=1e-8)
+    matrices = [jacobian_at(*AT), *(with_mistake(name, *AT) for name in MISTAKES)]
+    assert len({(np.round(each, 3) + 0.0).tobytes() for each in matrices}) == len(MISTAKES) + 1
+    dx, dy = 1.8, 1.2  # change places, and the signs stay
     bearing = with_mistake("bearing by x, y: dx and dy swapped", *AT)[0, :2]
     distance = with_mistake("range by l_x, l_y: dx and dy swapped", *AT)[1, 3:]
     assert np.allclose(bearing, np.array([dx, -dy]) / (dx**2 + dy**2))
     assert np.allclose(distance, np.array([dy, dx]) / np.hypot(dx, dy))
+    listed = re.findall(r"^- `(.+)`$", text("05").split("<summary>The seventeen")[1], re.MULTILINE)
+    assert listed == list(MISTAKES)
 
 
 def test_no_plan_needs_fewer_calls_than_the_text_says():
@@ -66,28 +59,22 @@ def test_a_right_name_scores_less_one_for_each_call():
     assert wrong.score == -2 and wrong.columns == {"named right": 0.0, "calls": 2.0}
 
 
-def test_all_calls_can_be_used_up():
-    ask = WrongJacobian(WRONG[0]).ask()
-    for _ in range(MOST_CALLS):
-        ask(0, 0, *AT)
-    with pytest.raises(RuntimeError, match="used up"):
-        ask(0, 0, *AT)
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
+def test_what_is_no_question_is_said_and_costs_nothing_and_all_calls_can_be_used_up():
+    case = WrongJacobian(WRONG[0])
+    ask = case.ask()
+    for given, said in (
         ((2, 0, *AT), "rows are 0 and 1"),
         ((0, 5, *AT), "columns 0 to 4"),
         ((0, 0, AT[1], AT[1]), r"shapes \(2,\)"),
         ((0, 0, (1, 2, 0.5), (1, 2)), "at the robot's own position"),
-    ],
-)
-def test_what_is_no_question_is_said_and_costs_nothing(given, said):
-    case = WrongJacobian(WRONG[0])
-    with pytest.raises(ValueError, match=said):
-        case.ask()(*given)
+    ):
+        with pytest.raises(ValueError, match=said):
+            ask(*given)
     assert case.asked.calls == 0
+    for _ in range(MOST_CALLS):
+        ask(0, 0, *AT)
+    with pytest.raises(RuntimeError, match="used up"):
+        ask(0, 0, *AT)
 
 
 def mean_calls(entry):
@@ -113,8 +100,3 @@ def test_the_lessons_numbers_of_calls_are_those_of_the_entries():
     assert all(before.score < after.score for before, after in pairwise(runs))
     assert "number 1: 5 calls, plus 1 for -1" in CHALLENGE.figure(runs[-1]).alt
     assert (POSE, LANDMARK) == AT
-
-
-def test_the_lesson_names_every_mistake_of_the_catalogue():
-    text = (SOLUTIONS / "05_ekf_derivations.md").read_text(encoding="utf-8")
-    assert re.findall(r"^- `(.+)`$", text.split("<summary>The seventeen")[1], re.MULTILINE) == list(MISTAKES)

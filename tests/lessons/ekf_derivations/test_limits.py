@@ -27,6 +27,9 @@ def test_mean_and_standard_deviation_are_off_by_their_formulas(measured):
     assert np.allclose(mean[:, 1], 100 * short_mean(SIGMAS), atol=0.4)
     assert np.allclose(across[:, 1], 100 * across_too_large(SIGMAS), atol=1.0)
     assert ((mean[:, 0] <= mean[:, 1]) & (mean[:, 1] <= mean[:, 2])).all()
+    drawing = draw_limits(measured)
+    assert len(drawing.figure.axes) == 3
+    assert "samples in the 95 % ellipse (%): 94 at 5°, 79 at 15°" in drawing.alt
 
 
 def test_the_numbers_of_the_lesson_are_those_that_are_measured(solution, measured):
@@ -45,12 +48,6 @@ def test_after_three_metres_the_ellipse_holds_fewer_robots_as_the_lesson_says(rn
         ends = 3 * np.array([np.cos(headings), np.sin(headings)]) + rng.normal(0, 0.03, (2, 400_000))
         predicted = np.diag([0.03**2, 0.03**2 + (3 * np.radians(degrees)) ** 2])
         assert round(100 * Cloud(ends.T, np.array([3.0, 0.0]), predicted).inside()) == percent
-
-
-def test_the_figure_has_a_curve_for_mean_covariance_and_shape(measured):
-    drawing = draw_limits(measured)
-    assert len(drawing.figure.axes) == 3
-    assert "samples in the 95 % ellipse (%): 94 at 5°, 79 at 15°" in drawing.alt
 
 
 def test_a_robot_that_cannot_turn_has_no_limits(monkeypatch):

@@ -14,30 +14,19 @@ from nao_course.lessons.ekf_derivations.report import (
 )
 
 
-def test_the_slope_at_the_pages_value_makes_y_uncertain_where_it_is_not(solution):
+def test_the_pages_slips_cost_what_the_table_says_and_swapped_coordinates_are_off_as_their_formula_says(
+    solution, rng
+):
     right, page = derivative_at_one(solution["motion_jacobians"])
     assert right == pytest.approx(0, abs=1e-12) and page == pytest.approx(np.radians(5))
-
-
-def test_swapped_coordinates_are_off_as_their_formula_says(solution, rng):
     away = swapped_coordinates(solution["landmark_position"], rng)
     heading, bearing, distance = 0.7, 0.4, 2.0
     right = distance * np.sin(heading + bearing)
     page = np.sin(heading) * distance * np.sin(bearing) + np.cos(heading) * distance * np.cos(bearing)
     assert abs(right - page) == pytest.approx(abs(distance * (np.sin(1.1) - np.cos(0.3))))
     assert 1.2 < np.median(away) < 2.0
-
-
-def test_noise_behind_the_wrap_leaves_the_range_and_noise_inside_does_not(solution, rng):
-    look = solution["expected_measurement"]
-    assert 0.08 < share_outside(look, rng) < 0.16
-
-
-def test_the_pages_arctan_is_wrong_on_half_of_the_field(solution, rng):
+    assert 0.08 < share_outside(solution["expected_measurement"], rng) < 0.16  # noise behind the wrap
     assert half_turns(solution["expected_measurement"], rng) == pytest.approx(0.5, abs=0.04)
-
-
-def test_the_table_has_a_row_for_each_slip(solution):
     names = ("expected_measurement", "landmark_position", "motion_jacobians")
     shown = repr(report_costs(*(solution[name] for name in names)))
     assert "9 cm, not 0" in shown and all(page in shown for page in ("1.2", "1.3", "1.4", "1.5"))

@@ -33,69 +33,37 @@ def test_drawn_samples_have_the_mean_and_covariance_that_are_asked_for(rng):
 
 
 def test_where_all_is_nearly_straight_the_right_solution_predicts_its_samples(solution, rng):
-    s = solution
-    drive = motion_cloud(
-        s["predict_pose"], s["predict_covariance"], POSE, SMALL, (1.5, 0.3), CONTROL_NOISE, rng, 3000
-    )
-    place = landmark_cloud(
-        s["landmark_position"], s["landmark_jacobians"], SMALL, (0.7, 2.0), MEASUREMENT_NOISE, rng, 3000
-    )
-    look = measurement_cloud(
-        s["expected_measurement"], s["measurement_jacobian_pose"], SMALL, (-2.0, 0.01), rng, 3000
-    )
-    assert agrees(drive) and agrees(place) and agrees(look)
+    s, z = solution, MEASUREMENT_NOISE
+    drive = s["predict_pose"], s["predict_covariance"]
+    place = s["landmark_position"], s["landmark_jacobians"]
+    seen = s["expected_measurement"], s["measurement_jacobian_pose"]
+    assert agrees(motion_cloud(*drive, POSE, SMALL, (1.5, 0.3), CONTROL_NOISE, rng, 3000))
+    assert agrees(landmark_cloud(*place, SMALL, (0.7, 2.0), z, rng, 3000))
+    assert agrees(measurement_cloud(*seen, SMALL, (-2.0, 0.01), rng, 3000))
+    behind = measurement_cloud(*seen, np.diag([0.1, 0.1, 0.2]) ** 2, (-2.0, 0.0), rng)
+    assert np.ptp(behind.points[:, 0]) < np.pi  # bearings stay together
+    across = motion_cloud(*drive, (0, 0, np.pi / 2), 0 * SMALL, (1, 0), np.diag([0.0, 0.2, 0.0]) ** 2, rng)
+    assert np.allclose(across.points[:, 1], 1)
+    assert np.std(across.points[:, 0]) == pytest.approx(0.2, rel=0.15)
 
 
-def test_errors_across_move_a_robot_to_its_left(solution, rng):
-    noise = np.diag([0.0, 0.2, 0.0]) ** 2
-    cloud = motion_cloud(
-        solution["predict_pose"],
-        solution["predict_covariance"],
-        (0, 0, np.pi / 2),
-        0 * SMALL,
-        (1, 0),
-        noise,
-        rng,
-    )
-    assert np.allclose(cloud.points[:, 1], 1) and np.std(cloud.points[:, 0]) == pytest.approx(0.2, rel=0.15)
-
-
-def test_a_wrong_sign_in_a_jacobian_shows_in_the_ellipse(solution, rng):
+def test_a_wrong_sign_in_a_jacobian_shows_in_the_ellipse(solution):
     def wrong(pose, measurement):
         by_pose, by_measurement = solution["landmark_jacobians"](pose, measurement)
         return by_pose * [[1, 1, -1], [1, 1, 1]], by_measurement
 
-    large = np.diag([0.01, 0.01, 0.1]) ** 2
-    right = solution["landmark_jacobians"]
-    place = solution["landmark_position"]
-    assert (
-        landmark_cloud(place, right, large, (0.8, 2.0), MEASUREMENT_NOISE, np.random.default_rng(1)).inside()
-        > 0.85
-    )
-    assert (
-        landmark_cloud(place, wrong, large, (0.8, 2.0), MEASUREMENT_NOISE, np.random.default_rng(1)).inside()
-        < 0.7
-    )
+    def inside(jacobians):
+        large, rng = np.diag([0.01, 0.01, 0.1]) ** 2, np.random.default_rng(1)
+        place = solution["landmark_position"]
+        return landmark_cloud(place, jacobians, large, (0.8, 2.0), MEASUREMENT_NOISE, rng).inside()
+
+    assert inside(solution["landmark_jacobians"]) > 0.85 and inside(wrong) < 0.7
 
 
-def test_bearings_of_a_landmark_behind_stay_together(solution, rng):
-    cloud = measurement_cloud(
-        solution["expected_measurement"],
-        solution["measurement_jacobian_pose"],
-        np.diag([0.1, 0.1, 0.2]) ** 2,
-        (-2.0, 0.0),
-        rng,
-    )
-    assert np.ptp(cloud.points[:, 0]) < np.pi
-
-
-def test_a_cloud_counts_what_is_inside_its_ellipse():
-    points = np.array([[0.0, 0.0], [2.4, 0.0], [2.5, 0.0], [0.0, -2.4]])
-    assert Cloud(points, np.zeros(2), np.eye(2)).inside() == 0.75
-    assert Cloud(points, np.zeros(2), np.diag([1.0, 0.01])).inside() == 0.5
-
-
-def test_a_covariance_is_carried_by_both_sides(rng):
+def test_a_covariance_is_carried_by_both_sides_and_a_cloud_counts_what_is_inside_its_ellipse(rng):
     slopes, root = rng.normal(size=(2, 3)), rng.normal(size=(3, 3))
     assert np.allclose(propagated(slopes, root @ root.T), slopes @ root @ root.T @ slopes.T)
     assert np.allclose(propagated(slopes, np.zeros((3, 3))), 0, atol=1e-15)
+    points = np.array([[0.0, 0.0], [2.4, 0.0], [2.5, 0.0], [0.0, -2.4]])
+    assert Cloud(points, np.zeros(2), np.eye(2)).inside() == 0.75
+    assert Cloud(points, np.zeros(2), np.diag([1.0, 0.01])).inside() == 0.5

@@ -1,6 +1,5 @@
 """The sheets: their entries are the solution's Jacobians, and no cell leaves a symbol behind in the notebook."""
 
-import ast
 import re
 
 import numpy as np
@@ -9,7 +8,8 @@ import sympy
 
 from nao_course.instructor.authoring import lesson_text
 from nao_course.lessons.ekf_derivations.sheets import motion_sheet, position_sheet
-from tests.paths import SOLUTIONS
+from tests.lessons.every import solved
+from tests.lessons.test_one_course import names_given
 
 MOTION = [
     ["1", "0", "-d*sin(theta)", "cos(theta)", "-sin(theta)", "0"],
@@ -40,31 +40,29 @@ def test_the_entries_are_the_solutions_jacobians(solution):
     assert np.allclose(values(POSITION, at), np.hstack([by_pose, by_measurement]))
 
 
-def test_an_error_that_is_zero_is_said_to_be_zero():
+@pytest.mark.parametrize(
+    ("row", "entry", "said"),
+    [
+        (
+            0,
+            "-(d+e_x)*sin(theta)-e_y*cos(theta)",
+            "new x by theta: e_x is 0 where this Jacobian is evaluated",
+        ),
+        (1, "-d*cos(theta)", "new y by theta: its sign is wrong"),
+    ],
+)
+def test_an_error_that_is_zero_and_a_wrong_sign_are_said_to_be_so(row, entry, said):
     entries = [list(row) for row in MOTION]
-    entries[0][2] = "-(d+e_x)*sin(theta)-e_y*cos(theta)"
-    said = repr(motion_sheet().write(entries))
-    assert "new x by theta: e_x is 0 where this Jacobian is evaluated" in said
-    assert "no symbol" not in said
-
-
-def test_a_wrong_sign_is_called_a_wrong_sign():
-    entries = [list(row) for row in MOTION]
-    entries[1][2] = "-d*cos(theta)"
-    assert "new y by theta: its sign is wrong" in repr(motion_sheet().write(entries))
+    entries[row][2] = entry
+    shown = repr(motion_sheet().write(entries))
+    assert said in shown and "no symbol" not in shown
 
 
 def test_no_cell_that_the_grader_skips_defines_a_name_that_an_exercise_could_use():
     """With a global symbol x a function could pass its check and fail with a NameError when it is graded."""
-    notebook = lesson_text.read_lesson(SOLUTIONS / "05_ekf_derivations.md")
     names = set()
-    for _, cell in lesson_text.code_cells(notebook):
+    for _, cell in lesson_text.code_cells(solved("05_ekf_derivations")):
         if lesson_text.role(cell) in ("display", "example", "payoff"):
-            for node in ast.parse(lesson_text.python(cell)).body:
-                targets = node.targets if isinstance(node, ast.Assign) else []
-                names |= {
-                    each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)
-                }
-                names |= {node.name} if isinstance(node, ast.FunctionDef) else set()
+            names |= names_given(lesson_text.python(cell))
     assert names == {"lap_guess", "break_guess", "paper_minus_sympy", "ground_jacobian", "name_mistake"}
     assert not [name for name in names if re.fullmatch(r"[a-z]|theta|alpha|beta|[dl]_?[xy]", name)]

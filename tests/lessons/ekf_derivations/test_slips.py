@@ -48,22 +48,15 @@ def both_divisors(pose, landmark):
         (
             "motion_jacobians",
             two_signs,
-            ["two errors", "F[0, 2] has the wrong sign", "G[0, 1] has the wrong sign"],
+            ["two errors", *(f"{of} has the wrong sign" for of in ("F[0, 2]", "G[0, 1]"))],
         ),
         ("measurement_jacobian_pose", both_divisors, ["The two divisors are exchanged"]),
+        ("motion_jacobians", lambda pose, control: (np.cos(theta), control), ["x, y, theta = pose"]),  # noqa: F821
     ],
 )
-def test_two_slips_at_once_are_both_named(name, function, said):
+def test_two_slips_at_once_and_arguments_that_are_not_unpacked_are_named(name, function, said):
     report = repr(grade_public(EXERCISES[name], function))
     assert all(each in report for each in said), report
-
-
-def test_who_forgets_to_unpack_the_arguments_is_told_where_the_name_is():
-    def motion_jacobians(pose, control):
-        return np.cos(theta), control  # noqa: F821
-
-    report = repr(grade_public(EXERCISES["motion_jacobians"], motion_jacobians))
-    assert "x, y, theta = pose" in report
 
 
 def test_a_bearing_that_is_wrapped_only_once_is_wrong():

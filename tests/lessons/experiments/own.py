@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.experiments.paper_table import SETTINGS
-from tests.paths import PROJECT
+from tests.lessons.every import own, text
 
-OWN = load_solution(PROJECT / "solutions" / "10_experiments.ipynb")
-TEXT = (PROJECT / "solutions" / "10_experiments.md").read_text(encoding="utf-8")
+OWN, TEXT = own("10"), text("10")
 
 
 def table(scenes=30):

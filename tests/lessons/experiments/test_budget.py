@@ -3,36 +3,28 @@
 import numpy as np
 import pytest
 
-from nao_course.colours import GREEN, YELLOW
-from nao_course.exercises import load_definitions, try_out
+from nao_course.exercises import try_out
 from nao_course.geometry import Pose
 from nao_course.lessons.experiments import budget
 from nao_course.lessons.experiments.budget import in_pixels, pixel_errors, sampled_poses, usual_scene
 from nao_course.lessons.experiments.scenes import simulated_scenes
-from tests.lessons.every import quotes
+from tests.lessons.every import label, own, quotes
 from tests.lessons.experiments.own import OWN, TEXT
-from tests.paths import SOLUTIONS
 
-FOUR = load_definitions(SOLUTIONS / "04_distance.ipynb")
+FOUR = own("04")
 
 
-def test_the_sight_shows_landmarks_that_are_in_the_picture():
+def test_landmarks_of_the_sight_are_in_the_picture_and_come_back_to_the_ground_and_to_the_true_pose(
+    monkeypatch,
+):
     scene = usual_scene()
     pixels = in_pixels(scene)
     assert len(pixels) >= 3 and scene.view.contains(pixels).all()
-
-
-def test_pixels_come_back_to_the_ground_they_show():
-    scene = usual_scene()
     there = Pose.from_array(scene.pose).to_local(scene.landmarks)
-    assert np.allclose(budget._ground(in_pixels(scene), scene.view), there, atol=2e-3)
-
-
-def test_without_noise_the_pose_is_the_true_one(monkeypatch):
+    assert np.allclose(budget._ground(pixels, scene.view), there, atol=2e-3)
     monkeypatch.setattr(budget, "SAMPLES", 2)
-    scene = usual_scene()
     weights = np.eye(2 * len(scene.landmarks))
-    assert np.abs(sampled_poses(scene, 0.0, 0.0, weights)).max() < 2e-3
+    assert np.abs(sampled_poses(scene, 0.0, 0.0, weights)).max() < 2e-3  # without noise
 
 
 def test_samples_scatter_as_predicted(monkeypatch):
@@ -43,6 +35,8 @@ def test_samples_scatter_as_predicted(monkeypatch):
         assert found.measured[name][large] == pytest.approx(found.predicted[name][large], rel=0.25), name
     alt = budget.draw_budget(found).alt
     assert "pixels: x" in alt and "both: x" in alt
+    parts = {"pixels": np.array([1.0, 5.0, 5.0]), "tilt": np.array([2.0, 1.0, 1.0])}
+    assert budget.larger_source(budget.Budget(parts, parts)) == "tilt"  # the larger one of the error in x
 
 
 def test_a_hits_error_is_that_of_the_closest_report():
@@ -77,21 +71,9 @@ def test_without_pixels_or_a_budget_each_figure_says_what_is_missing():
         assert repr(try_out(lambda show=show: show(missing))) == "Finish exercise 10.6."
 
 
-def test_the_larger_source_is_that_of_the_error_in_x():
-    parts = {"pixels": np.array([1.0, 5.0, 5.0]), "tilt": np.array([2.0, 1.0, 1.0])}
-    assert budget.larger_source(budget.Budget(parts, parts)) == "tilt"
-
-
 def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
-    find_corners = load_definitions(SOLUTIONS / "03_hough_corners.ipynb")["find_corners"]
-    one = load_definitions(SOLUTIONS / "01_hsl_filtering.ipynb")
-
-    def find(picture):
-        lightness = picture.max(axis=2) / 2 + picture.min(axis=2) / 2
-        white = one["white_threshold"](lightness.mean(), 120)
-        return find_corners(one["color_labels"](picture, GREEN, YELLOW, white), 5, 40)
-
-    errors = pixel_errors(find, simulated_scenes())
+    find_corners = own("03")["find_corners"]
+    errors = pixel_errors(lambda picture: find_corners(label(picture), 5, 40), simulated_scenes())
     u, v = np.sqrt((errors**2).mean(axis=0))
     quotes(TEXT, f"{u:.1f} px in u", f"{errors[:, 0].mean():.1f}", f"{v:.1f} px in v")
     scene, step = usual_scene(), 0.01
@@ -103,7 +85,7 @@ def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
     by = [(measured(s) - measured(-s)) / (2 * step) for s in (np.array([step, 0]), np.array([0, step]))]
     blocks = np.kron(np.eye(len(pixels)), np.ones((2, 2)))
     tilt = FOUR["measurement_covariance"](pixels, scene.view, 0.0, np.radians(1))
-    jacobian = load_definitions(SOLUTIONS / "05_ekf_derivations.ipynb")["measurement_jacobian_pose"]
+    jacobian = own("05")["measurement_jacobian_pose"]
     H = np.vstack([jacobian(scene.pose, each) for each in scene.landmarks])
 
     def covariance(sigmas):

@@ -5,13 +5,11 @@ from itertools import product
 import numpy as np
 import pytest
 
-from nao_course.exercises import load_definitions
-from nao_course.lessons.experiments.budget import usual_scene
+from nao_course.lessons.experiments.budget import in_pixels, usual_scene
+from tests.lessons.every import own
 from tests.lessons.experiments.own import OWN
-from tests.paths import PROJECT
 
-FOUR = load_definitions(PROJECT / "solutions" / "04_distance.ipynb")
-FIVE = load_definitions(PROJECT / "solutions" / "05_ekf_derivations.ipynb")
+FOUR, FIVE = own("04"), own("05")
 
 
 @pytest.mark.asserts("eq-10-1")
@@ -33,36 +31,26 @@ def test_at_the_paying_precision_reporting_costs_what_keeping_quiet_does(rng):
 
 
 @pytest.mark.asserts("eq-10-3")
-def test_every_mean_that_is_made_of_counts_is_found_possible_with_its_own_hits(rng):
+def test_a_mean_is_found_possible_with_the_hits_that_give_it_and_with_no_others(rng):
     for _ in range(200):
         pictures, hits, others = int(rng.integers(1, 60)), int(rng.integers(0, 90)), int(rng.integers(0, 300))
         printed = round((others - 1.333 * hits) / pictures, 3)
         assert hits in OWN["possible_hits"](printed, pictures, 90)
-
-
-def test_what_is_found_possible_gives_the_printed_mean():
     for mean in (2.122, 4.223, 5.002):
         for hits in OWN["possible_hits"](mean, 30, 240):
             others = round(30 * mean + 1.333 * hits)
             assert abs((others - 1.333 * hits) / 30 - mean) <= 0.0005 + 1e-9
 
 
-@pytest.mark.asserts("eq-10-4")
-@pytest.mark.asserts("eq-10-5")
+@pytest.mark.asserts("eq-10-4", "eq-10-5")
 def test_both_parts_of_the_budget_add_up_to_the_covariance_of_weighted_least_squares():
     scene = usual_scene()
     parts = OWN["error_budget"](scene.pose, scene.landmarks, scene.view, 2.0, 0.0175)
-    from nao_course.lessons.experiments.budget import in_pixels
-
     R = FOUR["measurement_covariance"](in_pixels(scene), scene.view, 2.0, 0.0175)
     H = np.vstack([FIVE["measurement_jacobian_pose"](scene.pose, each) for each in scene.landmarks])
     P = np.linalg.inv(H.T @ np.linalg.inv(R) @ H)
     assert np.allclose(parts[0] + parts[1], P, rtol=1e-6)
     for part in parts:
         assert np.allclose(part, part.T) and np.linalg.eigvalsh(part).min() > -1e-12
-
-
-def test_without_a_tilt_all_of_the_budget_comes_from_the_pixels():
-    scene = usual_scene()
     pixels, tilt = OWN["error_budget"](scene.pose, scene.landmarks, scene.view, 2.0, 0.0)
     assert np.allclose(tilt, 0.0) and np.trace(pixels) > 0

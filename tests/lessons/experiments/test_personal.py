@@ -27,28 +27,17 @@ def constant(values, probability, rng):
     return values.min(), values.max()
 
 
-@pytest.fixture(scope="module")
-def world():
+def test_the_table_has_the_baseline_and_each_setting_with_its_interval_and_so_have_the_markers_numbers():
     world = PersonalWorld("ada")
-    personal_scenes(world)
-    return world
-
-
-def test_the_table_has_the_baseline_and_each_setting_with_its_interval(world):
-    text = str(personal_costs(world, [BEST, (110, 4, 30)], corners_everywhere, constant))
+    shown = str(personal_costs(world, [BEST, (110, 4, 30)], corners_everywhere, constant))
     baseline = nothing_costs(personal_scenes(world))
-    rows = [line.split() for line in text.splitlines()[1:]]
-    assert rows[0] == ["reporting", "nothing", *_row(baseline)]
-    assert rows[1] == ["120,", "7,", "50", *_row(baseline - 1)]
-    assert rows[2] == ["110,", "4,", "30", *_row(baseline - 1)]
-    assert "room of ada" in text
-
-
-def _row(values):
-    return [f"{values.mean():.2f}", f"{values.min():.2f}", "to", f"{values.max():.2f}"]
-
-
-def test_the_markers_numbers_are_those_of_the_table(world):
+    rows = [line.split() for line in shown.splitlines()[1:]]
+    for row, words, costs in (
+        (rows[0], ["reporting", "nothing"], baseline),
+        (rows[1], ["120,", "7,", "50"], baseline - 1),
+        (rows[2], ["110,", "4,", "30"], baseline - 1),
+    ):
+        assert row == [*words, f"{costs.mean():.2f}", f"{costs.min():.2f}", "to", f"{costs.max():.2f}"]
+    assert "room of ada" in shown
     numbers = personal_numbers(world, {"grid_search": corners_everywhere})
-    baseline = nothing_costs(personal_scenes(world)).mean()
-    assert list(numbers.values()) == pytest.approx([baseline, baseline - 1])
+    assert list(numbers.values()) == pytest.approx([baseline.mean(), baseline.mean() - 1])

@@ -21,12 +21,9 @@ def test_the_papers_table_has_27_rows_with_its_best_in_the_middle():
     assert PAPER_SIGMAS[120, 5, 40] == 0.322 and PAPER_MEANS[130, 7, 50] == 5.103
 
 
-def test_a_setting_that_is_far_better_wins_every_draw_and_shares_add_up():
+def test_a_setting_that_is_far_better_wins_every_draw_and_equal_ones_are_often_called_different():
     shares = shares_won(table())
     assert shares[SETTINGS[0]] == 1.0 and sum(shares.values()) == pytest.approx(1.0)
-
-
-def test_settings_that_are_all_equal_are_often_called_different_from_the_best():
     costs = np.array(list(table().values()))
     assert called_different(costs, np.random.default_rng(0)) == 26  # the first is far better
     rng = np.random.default_rng(1)
@@ -42,22 +39,14 @@ def test_the_best_of_noise_promises_more_than_it_keeps_and_a_real_best_does_not(
     assert real.kept.mean() == pytest.approx(real.promised.mean(), abs=0.05)
 
 
-def test_a_students_table_is_sorted_by_its_means_and_copied():
-    given = {(1, 2, 3): [4.0, 6.0], (4, 5, 6): [1.0, 2.0]}
-    assert list(as_table(given)) == [(4, 5, 6), (1, 2, 3)]
-
-
-@pytest.mark.parametrize(
-    "wrong", [None, {}, [1.0], {(1, 2, 3): 1.0}, {(1, 2, 3): [1.0], (4, 5, 6): [1.0, 2.0]}]
-)
-def test_what_is_no_table_is_said(wrong):
-    with pytest.raises((TypeError, ValueError), match="grid_search|one cost per scene"):
-        as_table(wrong)
+def test_a_students_table_is_sorted_by_its_means_and_what_is_no_table_is_said():
+    assert list(as_table({(1, 2, 3): [4.0, 6.0], (4, 5, 6): [1.0, 2.0]})) == [(4, 5, 6), (1, 2, 3)]
+    for wrong in (None, {}, [1.0], {(1, 2, 3): 1.0}, {(1, 2, 3): [1.0], (4, 5, 6): [1.0, 2.0]}):
+        with pytest.raises((TypeError, ValueError), match="grid_search|one cost per scene"):
+            as_table(wrong)
 
 
 def test_tables_that_order_settings_alike_correlate():
-    doubled = {key: 2 * mean for key, mean in PAPER_MEANS.items()}
-    assert rank_correlation(PAPER_MEANS, doubled) == pytest.approx(1.0)
-    assert rank_correlation(PAPER_MEANS, {key: -mean for key, mean in PAPER_MEANS.items()}) == pytest.approx(
-        -1.0
-    )
+    for factor, rho in ((2, 1.0), (-1, -1.0)):
+        other = {key: factor * mean for key, mean in PAPER_MEANS.items()}
+        assert rank_correlation(PAPER_MEANS, other) == pytest.approx(rho)

@@ -14,15 +14,12 @@ from nao_course.sim.scenes import standard_scene
 PAIRS = [(np.zeros((4, 5, 3), np.uint8), np.zeros((k, 2))) for k in (2, 0, 3)]
 
 
-def test_a_scene_is_that_of_the_standard_set_and_read_only():
+def test_a_scene_is_that_of_the_standard_set_and_read_only_and_nothing_costs_one_for_each_corner():
     picture, corners = simulated_scene(3, size=(64, 48))
     assert (picture == standard_scene("tune", 3, (64, 48)).pixels).all() and corners.shape[1] == 2
     assert simulated_scene(3, size=(64, 48))[0] is picture, "it is made once"
     with pytest.raises(ValueError, match="read-only"):
         picture[0] = 0
-
-
-def test_nothing_costs_one_for_each_corner():
     assert nothing_costs(PAIRS).tolist() == [2.0, 0.0, 3.0]
 
 
@@ -38,33 +35,30 @@ def test_a_search_counts_each_scene_once_however_often_the_students_loops_go_thr
     monkeypatch.setattr(scenes, "Progress", Counts)
 
     def settings_outside(pairs, betas, gaps, lengths):
-        found = {}
-        for setting in product(betas, gaps, lengths):
-            found[setting] = [len(corners) + setting[0] for _, corners in pairs]
-        return found
+        settings = product(betas, gaps, lengths)
+        return {setting: [len(corners) + setting[0] for _, corners in pairs] for setting in settings}
 
     table = search_scenes(settings_outside, PAIRS)
     assert counted == [1, 2, 3] and set(table) == set(SETTINGS)
     assert table[120, 5, 40].tolist() == [122, 120, 123] and next(iter(table))[0] == 110
 
 
-def test_a_search_that_is_not_written_shows_no_bar(monkeypatch):
+def test_a_search_that_is_not_written_shows_no_bar_and_without_the_recordings_there_are_no_real_scenes(
+    monkeypatch,
+):
     def blank(*given):
         raise NotImplementedError
 
+    def nowhere(name):
+        raise FileNotFoundError("not here")
+
     monkeypatch.setattr(scenes, "Progress", None)
     assert "Finish it" in repr(try_out(lambda: search_scenes(blank, PAIRS), "Finish it."))
+    monkeypatch.setattr(scenes, "read_pictures", nowhere)
+    assert real_scenes("scenes") == ()
 
 
 def test_real_scenes_have_the_corners_that_were_marked(data_dir, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(data_dir))
     found = real_scenes("straightwalk")
     assert len(found) == 30 and nothing_costs(found).sum() == 94
-
-
-def test_without_the_recordings_there_are_no_real_scenes(monkeypatch):
-    def nowhere(name):
-        raise FileNotFoundError("not here")
-
-    monkeypatch.setattr(scenes, "read_pictures", nowhere)
-    assert real_scenes("scenes") == ()

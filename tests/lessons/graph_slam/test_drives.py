@@ -7,22 +7,15 @@ from nao_course.lessons.graph_slam.drives import MOTION_SIGMA, corridor, field_d
 from nao_course.lessons.graph_slam.map_errors import assumed_headings, with_headings
 
 
-def test_without_noise_every_constraint_is_true():
+def test_without_noise_every_constraint_is_true_and_with_it_motions_miss_by_their_variance():
     drive = field_drive(noise=0.0)
     for each in drive.constraints:
         before = 0 if each.kind == "start" else drive.truth[each.first]
         assert drive.truth[each.second] - before == pytest.approx(each.value)
     assert odometry(drive.constraints) == pytest.approx(drive.path)
-
-
-def test_motions_miss_by_what_their_variance_says():
     steps = np.diff(field_drive().path, axis=0)
-    missed = [
-        each.value - steps[each.first]
-        for seed in range(60)
-        for each in field_drive(seed).constraints
-        if each.kind == "motion"
-    ]
+    noisy = (each for seed in range(60) for each in field_drive(seed).constraints if each.kind == "motion")
+    missed = [each.value - steps[each.first] for each in noisy]
     assert np.std(missed) == pytest.approx(MOTION_SIGMA, rel=0.06)
 
 
@@ -41,9 +34,8 @@ def test_a_turn_is_in_what_is_measured_and_the_true_heading_takes_it_out_again(r
     headings = assumed_headings("true heading", 0.8, len(drive.path), rng)
     told = with_headings(drive, headings)
     straight = field_drive(noise=0.0)
-    assert any(
-        (a.value - b.value).any() for a, b in zip(drive.constraints, straight.constraints, strict=True)
-    )
+    pairs = zip(drive.constraints, straight.constraints, strict=True)
+    assert any((turned.value - true.value).any() for turned, true in pairs)
     for ours, true in zip(told.constraints, straight.constraints, strict=True):
         assert ours.value == pytest.approx(true.value, abs=1e-12)
 

@@ -54,41 +54,30 @@ def test_a_star_fills_in_if_its_centre_is_eliminated_first_and_not_if_it_is_last
     assert "as numbered: 21" in said and "fewest neighbours first: 11" in said
 
 
-def test_the_valleys_lowest_point_is_the_solution():
+def test_valley_and_snapshots_say_where_the_solution_is_and_how_the_error_falls():
     system = start(np.zeros((3, 3)), np.zeros(3), 0, 0.0)
     for each in ((0, 1, 5.0), (0, 2, 9.0), (1, 2, 3.0)):
         system = link(*system, *each)
     assert "lowest point, (5.33, 8.67) steps" in draw_valley(*system).alt
-
-
-def test_the_snapshots_say_how_the_error_falls():
     said = draw_snapshots(start, link, link, np.linalg.solve).alt
-    for words in (
-        "15 constraints, no landmark",
-        "map off by 53 cm",
-        "off by 16 cm",
-        "all constraints: 60 constraints, map off by 4",
-    ):
-        assert words in said
+    assert "15 constraints, no landmark" in said and "map off by 53 cm" in said
+    assert "off by 16 cm" in said and "all constraints: 60 constraints, map off by 4" in said
 
 
 def test_the_map_of_the_students_code_gets_better_with_each_exercise():
     functions = (start, link, link, np.linalg.solve)
-    said = [draw_drive(*functions[:count]).alt for count in (1, 2, 3, 4)]
-    assert "1 of 15 stops" in said[0] and "15 of 15 stops: path off by 72 cm, no landmark" in said[1]
-    assert all(
-        "path off by 8 cm, map by 4 cm; 60 residuals, the largest 2.1 sigma" in each for each in said[2:]
-    )
+    first, second, *others = (draw_drive(*functions[:count]).alt for count in (1, 2, 3, 4))
+    assert "1 of 15 stops" in first and "15 of 15 stops: path off by 72 cm, no landmark" in second
+    for said in others:
+        assert "path off by 8 cm, map by 4 cm; 60 residuals, the largest 2.1 sigma" in said
     with pytest.raises(ValueError, match="has no inverse here: check exercises 8.1 to 8.3"):
         draw_drive(lambda omega, xi, *rest: (omega, xi), link)
 
 
 def test_weights_and_marginal_blocks_are_said_in_numbers():
-    assert (
-        "equal variances it is 5.33" in draw_weights(lambda e: (5 / e + 3) / (1 / e + 0.5), lambda e: e).alt
-    )
-    left = np.ones((2, 2))
-    assert draw_marginalised(np.eye(4), 2, left).alt.endswith("100 % once poses are removed.")
+    said = draw_weights(lambda epsilon: (5 / epsilon + 3) / (1 / epsilon + 0.5), lambda epsilon: epsilon).alt
+    assert "equal variances it is 5.33" in said
+    assert draw_marginalised(np.eye(4), 2, np.ones((2, 2))).alt.endswith("100 % once poses are removed.")
     with pytest.raises(ValueError, match=r"expected \(2, 2\)"):
         draw_marginalised(np.eye(4), 2, np.eye(3))
 
@@ -101,34 +90,27 @@ def test_correlations_are_those_of_the_inverse_with_a_held_start():
     assert f"{100 * share(assemble(drive.constraints, drive.size, BUILDERS, 0)[0]):.0f} % of Omega" in said
 
 
-def test_the_doubling_turn_an_error_is_between_its_angles():
+def test_the_doubling_turn_of_an_error_is_between_its_angles():
     errors = 0.1 + 0.02 * np.degrees(ANGLES)
     assert doubling_turn(errors) == pytest.approx(5.0)
     assert np.isnan(doubling_turn(np.full(len(ANGLES), 0.1)))
     drawing = draw_turning(dict.fromkeys(HEADINGS, errors))
     assert drawing.figure.axes[0].texts[0].get_text() == "doubled at 5.0°"
-    said = drawing.alt
-    assert said.count("0.50 m at 20 degrees") == len(HEADINGS)
+    assert drawing.alt.count("0.50 m at 20 degrees") == len(HEADINGS)
 
 
 def test_the_error_to_be_expected_is_that_of_many_tries(rng):
     drive = unlike_drive(3)
     sigmas = np.array([0.0 if each.kind == "start" else np.sqrt(each.epsilon) for each in drive.constraints])
     for power in (0.0, 2.0):
-        omega, _ = assemble(
-            [replace(each, epsilon=each.epsilon ** (power / 2)) for each in drive.constraints],
-            drive.size,
-            BUILDERS,
-            0,
-        )
-        # what each constraint adds to xi for a unit of its value, one column each
-        columns = np.zeros((drive.size, len(sigmas)))
+        weighted = [replace(each, epsilon=each.epsilon ** (power / 2)) for each in drive.constraints]
+        omega, _ = assemble(weighted, drive.size, BUILDERS, 0)
+        columns = np.zeros((drive.size, len(sigmas)))  # what a unit of each constraint's value adds to xi
         for number, each in enumerate(drive.constraints[1:], start=1):
             weight = each.epsilon ** (-power / 2)
             columns[each.first, number], columns[each.second, number] = -weight, weight
-        errors = np.linalg.solve(
-            omega, columns @ (sigmas[:, None] * rng.standard_normal((len(sigmas), 4000)))
-        )
+        drawn = sigmas[:, None] * rng.standard_normal((len(sigmas), 4000))
+        errors = np.linalg.solve(omega, columns @ drawn)
         found = np.sqrt(2 * np.square(errors[len(drive.path) :]).mean())
         assert expected_error(drive, BUILDERS, power) == pytest.approx(found, rel=0.05)
 
@@ -150,7 +132,7 @@ def test_the_costs_are_the_recorded_ones_and_the_students_own(monkeypatch):
     said = draw_costs(lambda omega, xi: scipy.sparse.linalg.spsolve(omega, xi)).alt
     assert "s for 3000 variables" in said.partition("yours, on this computer: ")[2]
     with pytest.raises(
-        ValueError, match="solve_sparse must return 300 numbers, and returned NoneType: check exercise 8.6"
+        ValueError, match="solve_sparse must return 300 numbers, .* NoneType: check exercise 8.6"
     ):
         draw_costs(lambda omega, xi: None)
     monkeypatch.setenv("NAO_COURSE_STRICT", "1")

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from nao_course.exercises import load_definitions
 from nao_course.lessons.graph_slam.drivers import numbers_in
 from nao_course.lessons.graph_slam.drives import corridor, field_drive, odometry_first
 from nao_course.lessons.graph_slam.systems import Builders, assemble, map_error, solve_axes
-from tests.paths import SOLUTIONS
+from tests.lessons.every import own
 
-OWN = load_definitions(SOLUTIONS / "08_graph_slam.ipynb")
+OWN = own("08")
 START, MOTION, MEASUREMENT = (
     OWN[name] for name in ("add_initial_position", "add_relative_motion", "add_relative_measurement")
 )
@@ -45,18 +44,14 @@ def filled(links, size, start):
     return system
 
 
-def test_the_papers_ten_steps_give_the_papers_entries():
-    omega, xi = MOTION(*nothing(2), 0, 1, 10.0)
-    assert omega.tolist() == [[1, -1], [-1, 1]] and xi.tolist() == [-10, 10]
+def test_the_papers_ten_steps_give_the_papers_entries_and_no_inverse_until_something_holds_them():
     omega, xi = MOTION(*nothing(2), 0, 1, 10.0, 4.0)
     assert omega.tolist() == [[0.25, -0.25], [-0.25, 0.25]] and xi.tolist() == [-2.5, 2.5]
-
-
-def test_the_papers_own_example_has_no_inverse_until_something_holds_it():
-    system = MOTION(*nothing(2), 0, 1, 10.0)
+    omega, xi = MOTION(*nothing(2), 0, 1, 10.0)
+    assert omega.tolist() == [[1, -1], [-1, 1]] and xi.tolist() == [-10, 10]
     with pytest.raises(ValueError, match="0, 1"):
-        SOLVE(*system)
-    assert SOLVE(*START(*system, 0, 3.0)).tolist() == pytest.approx([3.0, 13.0])
+        SOLVE(omega, xi)
+    assert SOLVE(*START(omega, xi, 0, 3.0)).tolist() == pytest.approx([3.0, 13.0])
 
 
 @pytest.mark.asserts("eq-8-1", "eq-8-2")
@@ -86,17 +81,13 @@ def test_a_pose_between_odometry_and_landmark_is_their_weighted_mean(rng):
 
 
 @pytest.mark.asserts("eq-8-5")
-def test_what_stays_keeps_its_answer_and_its_uncertainty_when_others_are_removed(rng):
+def test_what_stays_keeps_its_answer_and_its_uncertainty_when_others_are_removed_at_once_or_in_two_steps(rng):
     system = filled(some_links(rng), 5, 4.0)
     x, covariance = SOLVE(*system), np.linalg.inv(system[0])
     for keep in ([0], [4, 1], [2, 0, 3], [0, 1, 2, 3, 4]):
         left = MARGINALIZE(*system, keep)
         assert SOLVE(*left) == pytest.approx(x[keep])
         assert np.linalg.inv(left[0]) == pytest.approx(covariance[np.ix_(keep, keep)])
-
-
-def test_removing_in_two_steps_is_removing_at_once(rng):
-    system = filled(some_links(rng), 5, 4.0)
     twice, once = MARGINALIZE(*MARGINALIZE(*system, [0, 1, 2]), [2, 0]), MARGINALIZE(*system, [2, 0])
     assert twice[0] == pytest.approx(once[0]) and twice[1] == pytest.approx(once[1])
 
@@ -107,23 +98,19 @@ def test_the_worked_examples_of_the_text_are_right():
     assert MARGINALIZE(*system, [0, 2])[0] == pytest.approx(np.array([[2.5, -1.5], [-1.5, 1.5]]))
 
 
-@pytest.mark.parametrize(("epsilon", "most"), [(1.0, 1e-12), (None, 1e-11)])
-def test_without_noise_dense_and_sparse_give_the_truth(epsilon, most):
+def test_without_noise_dense_and_sparse_give_the_truth_and_they_agree_where_measurements_do_not(rng):
     drive = field_drive(noise=0.0)
-    constraints = [replace(each, epsilon=epsilon or each.epsilon) for each in drive.constraints]
-    for axis in (0, 1):
-        omega, xi = assemble(constraints, drive.size, BUILDERS, axis)
-        assert np.abs(SOLVE(omega, xi) - drive.truth[:, axis]).max() < most
-        assert np.abs(SOLVE_SPARSE(scipy.sparse.csr_array(omega), xi) - drive.truth[:, axis]).max() < most
-
-
-def test_dense_and_sparse_agree_where_measurements_do_not(rng):
+    for epsilon, most in ((1.0, 1e-12), (None, 1e-11)):
+        constraints = [replace(each, epsilon=epsilon or each.epsilon) for each in drive.constraints]
+        for axis in (0, 1):
+            omega, xi = assemble(constraints, drive.size, BUILDERS, axis)
+            for found in (SOLVE(omega, xi), SOLVE_SPARSE(scipy.sparse.csr_array(omega), xi)):
+                assert np.abs(found - drive.truth[:, axis]).max() < most
     walk = corridor(60, rng)
     omega, xi = assemble(walk.constraints, walk.size, BUILDERS, 0)
     for form in ("csc", "csr", "coo"):
-        assert SOLVE_SPARSE(scipy.sparse.coo_array(omega).asformat(form), xi) == pytest.approx(
-            SOLVE(omega, xi), abs=1e-9
-        )
+        found = SOLVE_SPARSE(scipy.sparse.coo_array(omega).asformat(form), xi)
+        assert found == pytest.approx(SOLVE(omega, xi), abs=1e-9)
 
 
 def test_shifting_the_start_shifts_the_map_and_a_heavier_start_changes_nothing(rng):
@@ -173,12 +160,9 @@ def test_the_drives_of_a_public_project_have_their_exact_solution(data_dir, name
 
 def test_repeated_measurements_make_the_map_several_times_better():
     errors = []
-    for seed in range(12):
-        drive = field_drive(seed)
-        constraints = odometry_first(drive)
-        once, every = constraints[: drive.size], constraints
-        errors.append(
-            [map_error(drive, solve_axes(each, drive.size, BUILDERS, SOLVE)[0]) for each in (once, every)]
-        )
+    for drive in map(field_drive, range(12)):
+        every = odometry_first(drive)
+        maps = [solve_axes(each, drive.size, BUILDERS, SOLVE)[0] for each in (every[: drive.size], every)]
+        errors.append([map_error(drive, each) for each in maps])
     first, last = np.median(errors, axis=0)
     assert last < 0.06 < 0.3 < first
