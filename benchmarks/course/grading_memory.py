@@ -10,21 +10,24 @@ from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
 
+import nbformat
+
 from benchmarks import ROOT, Result, Table
-from benchmarks.course.grading import LESSON, notebooks, own_mb, pss_mb, watched, with_outputs, write_secret
+from benchmarks.course.grading import LESSON, grade, notebooks, write_secret
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.assignment import lessons_used
-from nao_course.instructor.gradebook.journal import Journal
 
 LATE = "11_slam_on_the_field"
 JOBS = 2
-EVERY = 0.05  # s between two measurements of memory: a notebook is large for a short time only
 
 
 def filled_up(text: str, megabytes: float) -> str:
-    """Return a notebook whose file has a size; with a character of an output more there is one of its own."""
-    size = int(2**20 * megabytes)
-    return with_outputs(text, size - len(with_outputs(text, 1).encode()) + 1)
+    """Return a notebook with a stored output, so that its file has a size."""
+    notebook = nbformat.reads(text, as_version=4)
+    output = nbformat.v4.new_output("stream", name="stdout", text="")
+    next(each for each in notebook.cells if each.cell_type == "code").outputs = [output]
+    output.text = "x" * (int(2**20 * megabytes) - len(nbformat.writes(notebook).encode()))
+    return nbformat.writes(notebook)
 
 
 def six_of_a_class() -> Iterator[tuple[str, str, str]]:
@@ -54,24 +57,9 @@ def measured(folder: Path, made: Iterator[tuple[str, str, str]], lesson: str) ->
         path = folder / "class" / student / f"{name}.ipynb"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    grades = folder / "grades"
     number = lesson.partition("_")[0]
-    seconds, seen = watched(
-        folder / "class",
-        grades,
-        JOBS,
-        lambda pid: (pss_mb(pid), own_mb(pid)),
-        *("--lesson", number),
-        every=EVERY,
-    )
-    with Journal(grades) as journal:
-        earned = sum(result.earned for result in journal.results(lesson))
-    return {
-        "seconds": seconds,
-        "peak PSS MB": max(mb for _, (mb, _) in seen),
-        "peak PSS MB of the grader itself": max(mb for _, (_, mb) in seen),
-        "points": earned,
-    }
+    found, results = grade(folder / "class", folder / "grades", JOBS, "--lesson", number)
+    return found | {"points": sum(result.earned for result in results if result.lesson == lesson)}
 
 
 def main() -> Result:
@@ -80,6 +68,4 @@ def main() -> Result:
     for name, (make, lesson) in CLASSES.items():
         with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as folder:
             values[name] = measured(Path(folder), make(), lesson)
-    columns = ("", *next(iter(values.values())))
-    rows = tuple((name, *each.values()) for name, each in values.items())
-    return Result("grading_memory", values, (Table(f"large notebooks, {JOBS} jobs", columns, rows),))
+    return Result("grading_memory", values, (Table.of(f"large notebooks, {JOBS} jobs", values),))

@@ -139,7 +139,19 @@ def main() -> Result:
     if reason := missing():
         raise FileNotFoundError(reason)
     with installation() as folder:
-        return result([one_class(folder, students) for students in CLASSES])
+        classes = [one_class(folder, students) for students in CLASSES]
+    large = on_a_large_server(classes[-1], classes[0]["processor_s_per_student"])
+    machine = {"cpu": processor(), "cores": os.cpu_count(), "lesson": LESSON}
+    values = {"classes": classes, "calculated": large, "wanted_mb": WANTED_MB, "machine": machine}
+    columns = [_rows(each) for each in classes]
+    rows = tuple((name, *(each[name] for each in columns)) for name in columns[0])
+    heads = ("students at once", *(str(each["students"]) for each in classes))
+    note = (
+        f"By calculation, a server with {large['cores']} cores and {large['memory_gb']} GB holds "
+        f"{large['students_by_memory']} students by memory, and its processors run the whole lesson "
+        f"{large['students_in_an_hour_by_processors']} times an hour."
+    )
+    return Result("hub", values, (Table("A JupyterHub with lesson 11, memory as PSS", heads, rows),), (note,))
 
 
 def one_class(folder: Path, students: int) -> dict[str, Any]:
@@ -153,17 +165,6 @@ def one_class(folder: Path, students: int) -> dict[str, Any]:
         return figures | {"processor_s_per_student": (_processor_seconds(hub) - before) / students}
 
 
-def result(classes: list[dict[str, Any]]) -> Result:
-    """Return the result of some classes."""
-    values = {
-        "classes": classes,
-        "calculated": on_a_large_server(classes[-1], classes[0]["processor_s_per_student"]),
-        "wanted_mb": WANTED_MB,
-        "machine": {"cpu": processor(), "cores": os.cpu_count(), "lesson": LESSON},
-    }
-    return Result("hub", values, (_table(classes),), _notes(values))
-
-
 def _processor_seconds(hub: Hub) -> float:
     """Return the processor time of the hub and of all students' servers and kernels so far, s."""
     total = 0.0
@@ -175,37 +176,28 @@ def _processor_seconds(hub: Hub) -> float:
     return total
 
 
-def _table(classes: list[dict[str, Any]]) -> Table:
-    def pair(name: str, unit: str = "s") -> list[str]:
-        return [f"{each[name]['median']:.2f} / {each[name]['p95']:.2f} {unit}" for each in classes]
+def _rows(each: dict[str, Any]) -> dict[str, str]:
+    """Return the column of a class in the table."""
 
-    def mb(name: str) -> list[str]:
-        parts = [each.get(name) for each in classes]
-        return [f"{p['both']:.0f} ({p['server']:.0f} + {p['kernel']:.0f})" if p else "" for p in parts]
+    def pair(name: str) -> str:
+        return f"{each[name]['median']:.2f} / {each[name]['p95']:.2f} s"
 
-    rows = [
-        ("start of the server, median / 95 %", *pair("server_s")),
-        ("opening of the lesson, with its kernel", *pair("kernel_s")),
-        ("set-up cell", *pair("set_up_s")),
-        ("any cell", *pair("cell_s")),
-        (
-            "pictures a second of a panel that drives",
-            *(f"{each['pictures_per_second']:.1f}" for each in classes),
-        ),
-        ("MB (server + kernel), lesson open", *mb("mb_open")),
-        ("MB after the set-up cell", *mb("mb_set_up")),
-        ("MB after a drive with all stages", *mb("mb_driven")),
-        ("MB after all cells", *mb("mb_all_cells")),
-        ("processor time of a student, s", *(f"{each['processor_s_per_student']:.0f}" for each in classes)),
-    ]
-    columns = ("students at once", *(str(each["students"]) for each in classes))
-    return Table("A JupyterHub with lesson 11, memory as PSS", columns, tuple(rows))
+    def mb(name: str) -> str:
+        return (
+            f"{each[name]['both']:.0f} ({each[name]['server']:.0f} + {each[name]['kernel']:.0f})"
+            if name in each
+            else ""
+        )
 
-
-def _notes(values: dict[str, Any]) -> tuple[str, ...]:
-    large = values["calculated"]
-    return (
-        f"By calculation, a server with {large['cores']} cores and {large['memory_gb']} GB holds "
-        f"{large['students_by_memory']} students by memory, and its processors run the whole lesson "
-        f"{large['students_in_an_hour_by_processors']} times an hour.",
-    )
+    return {
+        "start of the server, median / 95 %": pair("server_s"),
+        "opening of the lesson, with its kernel": pair("kernel_s"),
+        "set-up cell": pair("set_up_s"),
+        "any cell": pair("cell_s"),
+        "pictures a second of a panel that drives": f"{each['pictures_per_second']:.1f}",
+        "MB (server + kernel), lesson open": mb("mb_open"),
+        "MB after the set-up cell": mb("mb_set_up"),
+        "MB after a drive with all stages": mb("mb_driven"),
+        "MB after all cells": mb("mb_all_cells"),
+        "processor time of a student, s": f"{each['processor_s_per_student']:.0f}",
+    }

@@ -10,7 +10,6 @@ import uuid
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from types import TracebackType
 from typing import Any
 
 import aiohttp
@@ -24,9 +23,7 @@ SECONDS = 600.0  # for anything that a student waits for
 class Seen:
     """What a student's session showed."""
 
-    login: float = (
-        0.0  # seconds until the hub's page, until the student's server answered, and until its kernel did
-    )
+    login: float = 0.0  # seconds until the hub's page, and until the student's server and its kernel answered
     server: float = 0.0
     kernel: float = 0.0
     cells: list[float] = field(default_factory=list)  # seconds from each cell's request to its reply
@@ -56,18 +53,13 @@ class Student:
         self._status = asyncio.Event()  # set when the panel's status has changed
 
     async def __aenter__(self) -> Student:
-        """Return itself."""
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         """Close the connections; the server and the kernel go on, as after a browser is closed."""
         if self._reader:
             self._reader.cancel()
         await self._http.close()
-
-    # --- the hub ---
 
     async def log_in(self) -> None:
         """Log in with the hub's form."""
@@ -138,23 +130,12 @@ class Student:
                 return {"X-XSRFToken": cookie.value}
         return {}
 
-    # --- the kernel ---
-
     async def run(self, sources: Iterable[str]) -> None:
         """Run cells one after the other."""
         for source in sources:
             began = time.monotonic()
-            reply = await self._ask(
-                "execute_request",
-                {
-                    "code": source,
-                    "silent": False,
-                    "store_history": True,
-                    "user_expressions": {},
-                    "allow_stdin": False,
-                    "stop_on_error": False,
-                },
-            )
+            options = {"silent": False, "store_history": True, "allow_stdin": False, "stop_on_error": False}
+            reply = await self._ask("execute_request", {"code": source, "user_expressions": {}, **options})
             self.seen.cells.append(time.monotonic() - began)
             if reply["status"] != "ok":
                 self.seen.errors.append(f"{reply.get('ename')}: {reply.get('evalue')}")
@@ -168,12 +149,6 @@ class Student:
                 "comm_msg", {"comm_id": button, "data": {"method": "custom", "content": {"event": "click"}}}
             )
             await asyncio.wait_for(driven, SECONDS)
-
-    async def choose(self, description: str, index: int) -> None:
-        """Choose an entry of one of the panel's menus."""
-        menu = next(key for key, state in self._models.items() if state.get("description") == description)
-        data = {"method": "update", "state": {"index": index}, "buffer_paths": []}
-        await self._send("comm_msg", {"comm_id": menu, "data": data})
 
     async def _until_done(self) -> None:
         moving = False
@@ -207,9 +182,9 @@ class Student:
             "msg_type": kind,
             "session": self.name,
             "username": "",
-            "date": "2012-09-06T00:00:00Z",
             "version": "5.4",
         }
+        header["date"] = "2012-09-06T00:00:00Z"
         parts = [b"shell", *(json.dumps(each).encode() for each in (header, {}, {}, content))]
         await self._socket.send_bytes(_packed(parts))
         return identity

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import Result, Table, solution
-from benchmarks.simulator.real_scenes import Geometry, real_scenes, simulated_twin
+from benchmarks.simulator.real_scenes import Geometry, real_scenes
 from nao_course.sim.reality import Reality
 
 FLOORS = (0.0, 0.08, 0.16, 0.24, 0.32)
@@ -48,7 +48,7 @@ def main() -> Result:
     """Measure all pictures and their twins."""
     own, scenes = solution("01"), real_scenes()
     geometry = [scene.geometry() for scene in scenes]
-    twins = [simulated_twin(scene, Reality(), number)[0] for number, scene in enumerate(scenes)]
+    twins = [scene.twin(Reality(), number) for number, scene in enumerate(scenes)]
     sides = {"real": [scene.picture.pixels for scene in scenes], "simulated": twins}
     values: dict[str, Any] = {"floors": list(FLOORS)}
     for name, pictures in sides.items():

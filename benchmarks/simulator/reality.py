@@ -12,15 +12,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, get_args
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares, linear_sum_assignment
 
-from benchmarks import BUILD, Result, Table
+from benchmarks import Result, Table
 from nao_course.datasets import PictureSet, PointKind, RealPicture, read_pictures
 from nao_course.datasets.pictures import shape_on_ground
 from nao_course.geometry import FloatArray, Pose
@@ -87,10 +85,8 @@ class SetFit:
 class Prediction:
     """One marked point, and where the geometry puts it with the point itself left out."""
 
-    picture: str
     kind: PointKind
-    landmark: tuple[float, float, float]
-    distance: float
+    distance: float  # over the ground from the robot, m
     marked: tuple[float, float]
     predicted: tuple[float, float]
 
@@ -100,23 +96,13 @@ class Prediction:
         return float(np.hypot(*np.subtract(self.marked, self.predicted)))
 
 
-# --- the geometry under test ---
-
-
 def fitted_view(picture: RealPicture, values: FloatArray, correction: FloatArray) -> tuple[CameraView, Pose]:
     """Return the camera's view and the robot's pose that fitted values stand for."""
     specified = _specified_view(picture.head_yaw, picture.head_pitch)
     height, hfov, vfov, k1, offset = values.tolist()
     pitch, roll, heading, *position = correction.tolist()
-    view = replace(
-        specified,
-        height=height,
-        hfov=hfov,
-        vfov=vfov,
-        k1=k1,
-        pitch=specified.pitch + offset + pitch,
-        roll=roll,
-    )
+    camera = {"height": height, "hfov": hfov, "vfov": vfov, "k1": k1}
+    view = replace(specified, **camera, pitch=specified.pitch + offset + pitch, roll=roll)
     x, y = position or (0.0, 0.0)
     return view, Pose(picture.pose.x + x, picture.pose.y + y, picture.pose.theta + heading)
 
@@ -143,9 +129,6 @@ def landmarks_of(kind: PointKind) -> FloatArray:
     return np.array([(mark.x, mark.y, 0.0) for mark in FIELD.landmarks if mark.shape == shape])
 
 
-# --- which landmark a point is ---
-
-
 def match(picture: RealPicture, values: FloatArray, correction: FloatArray, gate: float) -> Matched:
     """Give each point the landmark of its kind whose projection is nearest, no landmark twice.
 
@@ -165,9 +148,6 @@ def match(picture: RealPicture, values: FloatArray, correction: FloatArray, gate
         landmarks[rows[first]] = known[second]
         used[rows[first]] = apart[first, second] < gate
     return Matched(picture, pixels, landmarks, used)
-
-
-# --- fits ---
 
 
 def fit_set(pictures: Sequence[RealPicture], freedom: Freedom = Freedom()) -> SetFit:
@@ -210,18 +190,8 @@ def _refit(fit: SetFit) -> SetFit:
     start = np.concatenate([fit.values, fit.corrections.ravel()])
     room = np.full(fit.corrections.size, LARGEST_CORRECTION)
     bounds = (np.concatenate([LOWEST, -room]), np.concatenate([HIGHEST, room]))
-    found = least_squares(
-        residual,
-        start,
-        jacobian,
-        bounds,
-        loss="soft_l1",
-        f_scale=NOISE,
-        x_scale="jac",
-        xtol=1e-6,
-        ftol=1e-6,
-        max_nfev=MOST_STEPS,
-    )
+    robust = {"loss": "soft_l1", "f_scale": NOISE, "x_scale": "jac", "xtol": 1e-6, "ftol": 1e-6}
+    found = least_squares(residual, start, jacobian, bounds, max_nfev=MOST_STEPS, **robust)
     values, corrections = split(found.x)
     return replace(fit, values=values, corrections=corrections)
 
@@ -246,9 +216,6 @@ def _refit_picture(item: Matched, values: FloatArray, correction: FloatArray, fr
         return _residual(item, values, state, freedom)
 
     return np.asarray(least_squares(residual, correction, loss="soft_l1", f_scale=NOISE).x, dtype=float)
-
-
-# --- predictions ---
 
 
 def leave_one_out(fit: SetFit) -> tuple[Prediction, ...]:
@@ -276,9 +243,8 @@ def _left_out_points(
         rest = replace(item, used=item.used & (np.arange(len(item.used)) != i))
         refitted = _refit_picture(rest, values, correction, freedom)
         ((u, v),) = predict(item.picture, values, refitted, landmark[None]).tolist()
-        x, y, z = landmark.tolist()
-        distance = float(np.hypot(x - item.picture.pose.x, y - item.picture.pose.y))
-        yield Prediction(item.picture.name, point.kind, (x, y, z), distance, (point.u, point.v), (u, v))
+        distance = float(np.hypot(landmark[0] - item.picture.pose.x, landmark[1] - item.picture.pose.y))
+        yield Prediction(point.kind, distance, (point.u, point.v), (u, v))
 
 
 def fit_residuals(fit: SetFit) -> dict[PointKind, FloatArray]:
@@ -289,9 +255,6 @@ def fit_residuals(fit: SetFit) -> dict[PointKind, FloatArray]:
         for point, residual in zip(item.picture.points, off, strict=True):
             found[point.kind].append(residual)
     return {kind: np.array(rows) for kind, rows in found.items() if rows}
-
-
-# --- the sets ---
 
 
 def corrected_walk(pictures: Sequence[RealPicture]) -> tuple[RealPicture, ...]:
@@ -365,7 +328,6 @@ def main() -> Result:
     notes = (
         "No point is left out of the errors. straightwalk: the first seven pictures stand one stop (0.2 m)",
         "farther back than their poses say (docs/real_data.md); all other poses as given.",
-        f"Pictures: {draw_pictures(judged).relative_to(BUILD.parent).as_posix()} (not ours to pass on)",
     )
     return Result("reality", values, tables, notes)
 
@@ -390,58 +352,11 @@ def _parts(cases: Iterable[Case]) -> dict[str, dict[str, float]]:
         for kind, off in fit_residuals(case.fit).items():
             errors = summary(errors_of(p for p in case.predictions if p.kind == kind))
             right, down = np.median(off, axis=0).tolist()
-            rows[f"{case.title}: {kind}"] = {
-                "points": len(off),
-                **errors,
-                "bias right": right,
-                "bias down": down,
-            }
+            bias = {"bias right": right, "bias down": down}
+            rows[f"{case.title}: {kind}"] = {"points": len(off), **errors, **bias}
         for near, far in pairwise(DISTANCES):
             found = [p for p in case.predictions if near <= p.distance < far]
             if found:
-                rows[f"{case.title}: {near:.0f}-{far:.0f} m"] = {
-                    "points": len(found),
-                    **summary(errors_of(found)),
-                }
+                errors = summary(errors_of(found))
+                rows[f"{case.title}: {near:.0f}-{far:.0f} m"] = {"points": len(found), **errors}
     return rows
-
-
-def draw_pictures(cases: Iterable[Case]) -> Path:
-    """Draw three pictures of each set with the fitted field, marked and predicted points into build/reality.png."""
-    shown = []
-    for case in cases:
-        numbers = {item.picture.name: number for number, item in enumerate(case.fit.matched)}
-        for number in [number for number in range(len(numbers)) if number % 10 == 0][:3]:
-            picture, correction = case.fit.matched[number].picture, case.fit.corrections[number]
-            view, pose = fitted_view(picture, case.fit.values, correction)
-            large = cv2.resize(picture.pixels, None, fx=2, fy=2)
-            for curve in field_curves():
-                pixels = view.project(curve, pose)
-                pixels = pixels[np.isfinite(pixels).all(axis=1) & (np.abs(pixels) < 2000).all(axis=1)]
-                cv2.polylines(large, [np.rint(2 * pixels + 0.5).astype(np.int32)], False, (0, 51, 204))
-            for each in case.predictions:
-                if numbers[each.picture] == number:
-                    for place, colour in ((each.marked, (0, 0, 0)), (each.predicted, (213, 94, 0))):
-                        u, v = np.rint(2 * np.array(place) + 0.5).astype(int).tolist()
-                        cv2.drawMarker(large, (u, v), colour, cv2.MARKER_TILTED_CROSS, 10, 2)
-            shown.append(large)
-    BUILD.mkdir(exist_ok=True)
-    rows = [np.hstack(shown[first : first + 3]) for first in range(0, len(shown), 3)]
-    cv2.imwrite(str(BUILD / "reality.png"), np.vstack(rows)[..., ::-1])
-    return BUILD / "reality.png"
-
-
-def field_curves() -> list[FloatArray]:
-    """Return the middles of the field's lines, arcs, posts and bars as curves of points (N, 3), m."""
-    curves = [
-        np.linspace((x0, y0, 0.0), (x1, y1, 0.0), 100) for x0, y0, x1, y1 in (*FIELD.lines, *FIELD.mark_lines)
-    ]
-    for x, y, radius, first, last in FIELD.arcs:
-        angles = np.linspace(first, last, 200)
-        curves.append(np.column_stack([x + radius * np.cos(angles), y + radius * np.sin(angles), 0 * angles]))
-    top = FIELD.dimensions.post_height
-    return [
-        *curves,
-        *(np.linspace((x, y, 0.0), (x, y, top), 50) for x, y in FIELD.posts),
-        *(np.linspace(start, end, 50) for start, end in FIELD.bars),
-    ]
