@@ -8,7 +8,7 @@ import os
 import sys
 import warnings
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stderr
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -23,10 +23,11 @@ from nao_course.codec import Limits, decode, encode
 from nao_course.exercises import judging, running
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.comparisons.comparison import with_article
-from nao_course.exercises.earlier import CallsWhenNeeded, split_use, watching
+from nao_course.exercises.earlier import Calls, CallsWhenNeeded, split_use, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.judging import AT_FAULT, Report, explain, with_the_reason
+from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.trying import Message, Remarked, explain_unknown_names, show, try_out
 
 _SECONDS_FOR_A_REASON = 2.0  # wall clock for a case of another exercise that the report mentions
@@ -96,15 +97,39 @@ def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = 
             "Pass the function itself, without brackets."
         )
         return Report(exercise.name, "wrong", (text,))
-    answer = partial(judging.answer, exercise.comparison)
     seconds = min(max(running.SECONDS, 2 * exercise.seconds), most_seconds)
-    with watching(exercise.earlier) as calls, _numpy_warnings() as warned:
+    report, calls = _run(exercise, function, seconds)
+    not_right = report.state in ("wrong", "raised", "not checked")
+    # One of the student's own functions of earlier lessons may be the cause.
+    if not_right and (reasons := judging.differing(exercise, calls.called, _exercise_of)):
+        report, calls = _run(exercise, function, seconds, replaced=reasons)
+        place = "its place" if len(reasons) == 1 else "their places"
+        used = f"The reference's answers were used in {place}."
+        report = replace(report, lines=(*report.lines, *reasons.values(), used))
+    remarks = [_said_of_recorded(calls.answered)] if calls.answered else []
+    return replace(report, lines=(*report.lines, *remarks))
+
+
+def _run(
+    exercise: PublicExercise, function: Any, seconds: float, replaced: Collection[str] = ()
+) -> tuple[Report, Calls]:
+    """Run the public cases, with the reference's answers in the place of some earlier functions."""
+    answer = partial(judging.answer, exercise.comparison)
+    with watching(exercise.earlier, replaced=replaced) as calls, _numpy_warnings() as warned:
         outcomes = running.call_all(function, exercise.cases, exercise.driver, seconds, answer)
         report = explain(exercise, outcomes, f"stopped after {seconds:g} seconds")
-    remarks = [_said_of_recorded(calls.answered)] if calls.answered else []
     if report and warned:
-        remarks.append(_said_of_warning(warned[0]))
-    return replace(report, lines=(*report.lines, *remarks))
+        report = replace(report, lines=(*report.lines, _said_of_warning(warned[0])))
+    return report, calls
+
+
+def _exercise_of(use: str) -> PublicExercise | None:
+    """Return the exercise of a use such as "07:warp2pi"; None if this course has none."""
+    number, name = split_use(use)
+    found = [each for each in lessons() if number_of(each) == number]
+    return next(
+        (each for lesson in found for each in read_public(lesson).exercises if each.name == name), None
+    )
 
 
 @contextmanager

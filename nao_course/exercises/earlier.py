@@ -9,19 +9,24 @@ from __future__ import annotations
 import ast
 import hashlib
 import inspect
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from nao_course.codec import CodecError, decode, encode, register
 from nao_course.exercises.comparisons.values import Close
 from nao_course.exercises.lesson_names import number_of
+from nao_course.exercises.library_functions import IN_LIBRARY
 
 NAME = "earlier"  # of the function that a set-up cell calls
 MOST_MISSED = 1000  # calls without a recorded answer that are remembered
+MOST_NUMBERS = 1000  # in one argument of a function of the library that replaces a student's
 
 
 class EarlierNotUsable(RuntimeError):  # noqa: N818 - it reads as a sentence
@@ -196,20 +201,26 @@ class CallsWhenNeeded(Sequence[EarlierCall]):
 class Calls:
     """Calls of earlier functions while a block runs: known calls are answered, and new calls are recorded.
 
-    `known` calls replace functions that are not usable, and `answered` says why they were not. If `keep`, calls of
-    usable functions are recorded in `made`; `missed` has the digests of calls that no recorded call answers.
+    `known` calls replace functions that are not usable, and `answered` says why they were not. They also replace the
+    usable functions in `replaced`. If `keep`, calls of usable functions are recorded in `made`; `missed` has the
+    digests of calls that no recorded call answers, and `called` the usable functions that were called.
     """
 
     known: Sequence[EarlierCall] = ()
     made: list[EarlierCall] = field(default_factory=list)
     answered: dict[str, str] = field(default_factory=dict)
     keep: bool = False
+    replaced: frozenset[str] = frozenset()
     missed: set[bytes] = field(default_factory=set, init=False, repr=False)
+    called: dict[str, Callable[..., Any]] = field(default_factory=dict, init=False, repr=False)
 
     def record(
         self, use: str, function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]
     ) -> Any:
         """Call a function and record the call; a call that cannot be sent is not recorded."""
+        if use in self.replaced and (answered := self.reference(use, args, kwargs)):
+            return answered.answer
+        self.called[use] = function
         if not self.keep:
             return function(*args, **kwargs)
         given = None
@@ -225,16 +236,15 @@ class Calls:
     def answer(
         self, use: str, args: tuple[Any, ...], kwargs: dict[str, Any], reason: EarlierNotUsable
     ) -> Any:
-        """Return the recorded answer to a call, or raise EarlierNotUsable if no call with these inputs was recorded.
+        """Return the reference's answer to a call, or raise EarlierNotUsable if it is not known for these inputs.
 
         Raise a TypeError if the function does not have these arguments.
         """
-        found = self.find(use, args, kwargs)
-        if found:
+        if answered := self.reference(use, args, kwargs):
             self.answered[use] = str(reason)
-            return decode(encode(found.answer))
-        parameters = next((each.parameters for each in self.known if each.use == use), None)
-        if parameters is not None and (len(args) > len(parameters) or not set(kwargs) <= set(parameters)):
+            return answered.answer
+        parameters = self.parameters(use)
+        if parameters and (len(args) > len(parameters) or not set(kwargs) <= set(parameters)):
             raise TypeError(
                 f"{use.rpartition(':')[2]}({', '.join(parameters)}) does not take the arguments that your code gives it"
             )
@@ -243,8 +253,32 @@ class Calls:
             f"that call is wrong, or you need the function itself: {reason}"
         ) from None
 
-    def find(self, use: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> EarlierCall | None:
-        """Return the recorded call with these inputs, if there is one.
+    def reference(self, use: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> EarlierCall | None:
+        """Return the call with the reference's answer, recorded or by a function of the library, if there is one."""
+        # The library's answers differ in the last bit. They come second, because later calls are found faster if their
+        # inputs are exactly the recorded ones.
+        found = self.find(use, args, kwargs, exactly=use in IN_LIBRARY) or self.in_library(use, args, kwargs)
+        return found and replace(found, answer=decode(encode(found.answer)))
+
+    def in_library(self, use: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> EarlierCall | None:
+        """Return the call with the answer of a function of the library that is the same, if there is one."""
+        parameters = self.parameters(use)
+        given = dict(zip(parameters, args, strict=False)) | kwargs
+        if use not in IN_LIBRARY or len(args) > len(parameters) or given.keys() != set(parameters):
+            return None
+        values = [given[name] for name in parameters]
+        if any(np.size(value) > MOST_NUMBERS for value in values):
+            return None
+        return EarlierCall(use, parameters, given, IN_LIBRARY[use](*values))
+
+    def parameters(self, use: str) -> list[str]:
+        """Return the names of a recorded function's parameters; none if it is not recorded."""
+        return next((each.parameters for each in self.known if each.use == use), [])
+
+    def find(
+        self, use: str, args: tuple[Any, ...], kwargs: dict[str, Any], *, exactly: bool = False
+    ) -> EarlierCall | None:
+        """Return the recorded call with these inputs, if there is one; `exactly` these, or these up to rounding.
 
         The same inputs are found by a digest; only new ones are compared with every recorded call, because a
         student's code may call a function thousands of times.
@@ -255,11 +289,12 @@ class Calls:
             return None
         if exact in self.by_inputs:
             return self.by_inputs[exact]
-        if exact in self.missed:
+        if exactly or exact in self.missed:
             return None
-        for each in self.known:
-            given = dict(zip(each.parameters, args, strict=False)) | kwargs
-            if each.use == use and len(args) <= len(each.parameters) and _same(each.given, given):
+        parameters = self.parameters(use)
+        given = dict(zip(parameters, args, strict=False)) | kwargs
+        for each in self._near(use, given) if len(args) <= len(parameters) else ():
+            if _same(each.given, given):
                 self.by_inputs[exact] = each
                 return each
         if len(self.missed) < MOST_MISSED:
@@ -275,19 +310,53 @@ class Calls:
                 found[_digest(each.use, list(each.given.values()), [])] = each
         return found
 
+    def _near(self, use: str, given: dict[str, Any]) -> list[EarlierCall]:
+        """Return the recorded calls of a function with nearly these numbers; all its calls if these are not numbers."""
+        key, numbers = _as_numbers(use, given)
+        if numbers is None:
+            return [each for each in self.known if each.use == use]
+        calls, rows = self._by_shapes.get(key, ([], np.zeros((0, len(numbers)))))
+        near = np.isclose(rows, numbers, rtol=1e-6, atol=1e-6, equal_nan=True).all(axis=1)
+        return [calls[i] for i in np.flatnonzero(near)]
+
+    @cached_property
+    def _by_shapes(self) -> dict[Hashable, tuple[list[EarlierCall], npt.NDArray[Any]]]:
+        """The recorded calls whose inputs are numbers, and these numbers in a row for each call, by their shapes."""
+        found: dict[Hashable, tuple[list[EarlierCall], list[npt.NDArray[Any]]]] = {}
+        for each in self.known:
+            key, numbers = _as_numbers(each.use, each.given)
+            if numbers is not None:
+                calls, rows = found.setdefault(key, ([], []))
+                calls.append(each)
+                rows.append(numbers)
+        return {key: (calls, np.stack(rows)) for key, (calls, rows) in found.items()}
+
 
 _CALLS: ContextVar[Calls | None] = ContextVar("calls", default=None)
 
 
 @contextmanager
-def watching(known: Sequence[EarlierCall] = (), *, keep: bool = False) -> Iterator[Calls]:
-    """Answer or record the calls of earlier functions in the block."""
-    calls = Calls(known, keep=keep)
+def watching(
+    known: Sequence[EarlierCall] = (), *, keep: bool = False, replaced: Collection[str] = ()
+) -> Iterator[Calls]:
+    """Answer or record the calls of earlier functions in the block; known calls replace some usable functions, too."""
+    calls = Calls(known, keep=keep, replaced=frozenset(replaced))
     token = _CALLS.set(calls)
     try:
         yield calls
     finally:
         _CALLS.reset(token)
+
+
+def _as_numbers(use: str, given: dict[str, Any]) -> tuple[Hashable, npt.NDArray[Any] | None]:
+    """Return a call's names and shapes, and all its numbers in one array; None if an input is not numbers."""
+    names = sorted(given)
+    try:
+        values = [np.asarray(given[name], dtype=float) for name in names]
+    except (TypeError, ValueError):
+        return use, None
+    numbers = np.concatenate([np.zeros(0), *map(np.ravel, values)])
+    return (use, *names, *(value.shape for value in values)), numbers
 
 
 def _digest(use: str, args: list[Any], kwargs: list[tuple[str, Any]]) -> bytes:

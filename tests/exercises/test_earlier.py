@@ -12,6 +12,7 @@ from nao_course.exercises import Case, call, checking, try_out
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.earlier import (
+    Calls,
     EarlierCall,
     EarlierNotUsable,
     assigned_use,
@@ -21,6 +22,7 @@ from nao_course.exercises.earlier import (
     stand_in,
     watching,
 )
+from nao_course.exercises.library_functions import IN_LIBRARY
 from nao_course.instructor.authoring.plans import load_plan, load_solution, publish, solutions_beside
 from nao_course.student import notebooks as student
 from nao_course.widgets.attempts import attempt
@@ -355,3 +357,128 @@ def test_all_that_a_cell_lacks_is_one_list_that_is_folded(tmp_path, monkeypatch)
     shell.execution_count = 2
     student.earlier("80:double", tmp_path)
     assert len(shown) == 2 and "Counter" not in repr(shown[1])
+
+
+def test_an_earlier_function_that_fails_only_here_is_named_and_the_check_goes_on_without_it(
+    tmp_path, lessons
+):
+    found = own(tmp_path, double="def double(x):\n    return 7.0 if x == 3.0 else 2 * x")
+    report = grade_public(of(lessons, "quadruple"), found["quadruple"])
+    assert report.state == "right"
+    assert report.lines[-2:] == (
+        "double of your lesson 80 passes its own check, but not with an input of this one, double(3): your answer "
+        "is 7, which is not right.",
+        "The reference's answers were used in its place.",
+    )
+
+
+@pytest.mark.parametrize(
+    ("body", "why"),
+    [
+        ("if x == 3.0:\n        raise ValueError('three')\n    return 2 * x", "it raises ValueError: three."),
+        ("return '' if x == 3.0 else 2 * x", "your answer is a str, not numbers."),
+    ],
+)
+def test_what_an_earlier_function_does_in_the_call_that_fails_is_said(tmp_path, lessons, body, why):
+    found = own(tmp_path, double=f"def double(x):\n    {body}")
+    report = grade_public(of(lessons, "quadruple"), found["quadruple"])
+    assert report.state == "right" and why in report.lines[-2]
+
+
+def test_a_wrong_answer_of_ones_own_stays_wrong_and_no_right_function_is_named(tmp_path, lessons):
+    found = own(tmp_path)
+    report = grade_public(of(lessons, "quadruple"), lambda x: found["quadruple"](x) + 1)
+    assert report.state == "wrong" and "passes its own check" not in repr(report)
+    found = own(tmp_path, double="def double(x):\n    return 7.0 if x == 3.0 else 2 * x")
+    report = grade_public(of(lessons, "quadruple"), lambda x: found["quadruple"](x) + 1)
+    assert report.state == "wrong" and "passes its own check" in repr(report)
+
+
+LESSON_11 = {each.name: each for each in checking.read_public("11_slam_on_the_field").exercises}
+WRAP = "07:warp2pi"
+JOINT_DISTANCE = ("07:warp2pi", "05:expected_measurement", "05:measurement_jacobian_pose")
+
+
+def one_number_at_a_time(**given):
+    """Return a right `joint_distance` that wraps single numbers, with some functions of the earlier lessons."""
+    own = {
+        use.partition(":")[2]: stand_in(use, not_usable(use, "not written yet.")) for use in JOINT_DISTANCE
+    }
+    own |= {
+        name: stand_in(f"07:{name}", lambda function=function: function) for name, function in given.items()
+    }
+    by_landmark = "measurement_jacobian_landmark"
+    own[by_landmark] = stand_in(f"05:{by_landmark}", not_usable(f"05:{by_landmark}"))
+
+    def joint_distance(state, covariance, indices, measurements, measurement_covariance):
+        nu, H, rows = [], np.zeros((0, len(state))), []
+        for i, j in enumerate(indices):
+            if j >= 0:
+                own_place = slice(3 + 2 * j, 5 + 2 * j)
+                bearing, r = own["expected_measurement"](state[:3], state[own_place])
+                nu += [own["warp2pi"](measurements[i].bearing - bearing), measurements[i].range - r]
+                block = np.zeros((2, len(state)))
+                block[:, :3] = own["measurement_jacobian_pose"](state[:3], state[own_place])
+                block[:, own_place] = own[by_landmark](state[:3], state[own_place])
+                H, rows = np.vstack([H, block]), [*rows, 2 * i, 2 * i + 1]
+        S = H @ covariance @ H.T + measurement_covariance[np.ix_(rows, rows)]
+        return float(np.sqrt(np.array(nu) @ np.linalg.solve(S, nu))) if nu else own["warp2pi"](0.0)
+
+    return joint_distance
+
+
+def wrapped(angle):
+    return (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi
+
+
+def test_a_right_answer_passes_also_if_it_calls_a_missing_function_in_its_own_way():
+    report = grade_public(LESSON_11["joint_distance"], one_number_at_a_time())
+    assert report.state == "right", report
+    assert "warp2pi (07)" in report.lines[-1] and report.lines[-1].endswith(
+        "Recorded answers were used instead."
+    )
+
+
+def test_a_half_turn_to_the_right_in_place_of_the_left_is_no_error():
+    def to_the_right(angle):
+        return np.where(np.isclose(wrapped(angle), np.pi), -np.pi, wrapped(angle))[()]
+
+    report = grade_public(LESSON_11["joint_distance"], one_number_at_a_time(warp2pi=to_the_right))
+    assert report.state == "right" and "passes its own check" not in repr(report)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [lambda angle: np.round(wrapped(angle), 2), lambda angle: -wrapped(angle), lambda angle: angle],
+    ids=["rounded", "sign", "not wrapped"],
+)
+def test_a_wrong_wrapping_is_named_and_the_check_goes_on_with_the_references(wrong):
+    report = grade_public(LESSON_11["joint_distance"], one_number_at_a_time(warp2pi=wrong))
+    assert report.state == "right", report
+    assert any(
+        line.startswith("warp2pi of your lesson 07 passes its own check, but not") for line in report.lines
+    )
+
+
+def test_the_librarys_functions_have_the_answers_that_the_references_have():
+    calls = [each for name in ("associate", "EkfSlam") for each in LESSON_11[name].earlier]
+    known = Calls(calls)
+    compared = dict.fromkeys(IN_LIBRARY, 0)
+    for each in calls:
+        if each.use in IN_LIBRARY:
+            found = known.in_library(each.use, tuple(each.given.values()), {})
+            off = found.answer - each.answer
+            if each.use in (
+                "07:warp2pi",
+                "05:expected_measurement",
+            ):  # half a turn to the left or to the right
+                off = np.where(np.abs(off) > 6, np.abs(off) - 2 * np.pi, off)
+            np.testing.assert_allclose(off, 0, atol=1e-7)
+            compared[each.use] += 1
+    assert all(compared.values())
+
+
+def test_a_large_input_is_not_given_to_the_librarys_function():
+    calls = Calls([EarlierCall(WRAP, ["angle"], {"angle": 0.0}, 0.0)])
+    assert calls.in_library(WRAP, (np.zeros(10),), {}) is not None
+    assert calls.in_library(WRAP, (np.zeros(100_000),), {}) is None

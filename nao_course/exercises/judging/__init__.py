@@ -2,6 +2,7 @@
 
 from nao_course._internal.lazy_names import list_public
 from nao_course.exercises.judging.cases import answer, judge
+from nao_course.exercises.judging.earlier_functions import differing
 from nao_course.exercises.judging.report import (
     AT_FAULT,
     CheckState,
@@ -17,6 +18,7 @@ __all__ = [
     "CheckState",
     "Report",
     "answer",
+    "differing",
     "explain",
     "is_unstable",
     "judge",
