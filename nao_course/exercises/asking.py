@@ -6,10 +6,11 @@ ipywidgets is imported where it is used, so that workers and the command line st
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from html import escape
 from math import inf
+from types import MappingProxyType
 from typing import Any
 
 from nao_course.exercises.exercise import PublicQuestion
@@ -19,6 +20,8 @@ _NUMBER = re.compile(
     r"(?P<number>[-+\N{MINUS SIGN}]?(\d+([.,]\d*)?|[.,]\d+)(e[-+]?\d+)?)\s*(?P<unit>\D*)", re.IGNORECASE
 )
 _JUDGED = re.compile(r"(?:right|not quite)[.:!] +", re.IGNORECASE)
+_SAME = 0.08  # the share by which a prediction may differ from a typical one
+_NO_REMARKS: Mapping[float, str] = MappingProxyType({})
 _SPELLINGS = {  # of units that students may type
     **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
     **dict.fromkeys(("percent", "per cent"), "%"),
@@ -61,6 +64,15 @@ def reply(question: PublicQuestion, answer: str) -> Message:
     return Message(f"{sign} {said}")
 
 
+# ipywidgets gives every choice a fixed height, so that choices of two lines would lie over each other.
+_CHOICES_CSS = """
+.nao-question .widget-radio, .nao-question .widget-radio-box { width: auto; height: auto; max-width: 100%; }
+.nao-question .widget-radio-box label { display: flex; align-items: flex-start; gap: 8px; height: auto;
+  line-height: 1.4; margin: 0 0 6px; white-space: normal; cursor: pointer; }
+.nao-question .widget-radio-box input { flex: none; margin: 3px 0 0; }
+"""
+
+
 def ask(question: PublicQuestion) -> Any:
     """Return radio buttons that reply to each choice, with no choice at first."""
     import ipywidgets
@@ -73,14 +85,17 @@ def ask(question: PublicQuestion) -> Any:
         tooltip=question.text,
     )
     answer = ipywidgets.HTML()
-    title = ipywidgets.HTML(value=Message(question.text)._repr_html_() + styles_that_keep_keys())
+    words = Message(question.text)._repr_html_()
+    title = ipywidgets.HTML(value=words + styles_that_keep_keys(_CHOICES_CSS))
 
     def chosen(change: Any) -> None:
         answer.value = reply(question, change["new"])._repr_html_() if change["new"] else ""
 
     buttons.observe(chosen, names="value")
     choices = "\n".join(f"  {number}. {text}" for number, text in enumerate(question.choices, start=1))
-    return _box([title, buttons, answer], f"{question.text}\n{choices}")
+    box = _box([title, buttons, answer], f"{question.text}\n{choices}")
+    box.add_class("nao-question")
+    return box
 
 
 class Prediction:
@@ -96,8 +111,15 @@ class Prediction:
         self.text, self.unit, self.low, self.high, self.choices = text, unit, low, high, choices
         self.value: float | str | None = None  # the written prediction
         self.final = False  # a prediction cannot change after its comparison with the result
+        self.given_up = False  # the result was shown without a prediction
         self._measured: float | str | None = None
+        self._typical: Mapping[float, str] = _NO_REMARKS
         self._view: Any = None
+
+    @property
+    def waits(self) -> bool:
+        """Whether there is a result, but no prediction yet."""
+        return self._measured is not None and not self.final
 
     def write(self, typed: object) -> Message:
         """Store a prediction, or return a message that explains why the input is not valid.
@@ -113,13 +135,22 @@ class Prediction:
         self.final = self._measured is not None
         return Message(self.said())
 
-    def beside(self, measured: float | str) -> Message:
-        """Return a line that compares the prediction with the result."""
-        self._measured = measured
+    def beside(self, measured: float | str, typical: Mapping[float, str] = _NO_REMARKS) -> Message:
+        """Return a line that compares the prediction with the result.
+
+        Without a prediction, the result waits for one: the field above then shows both. A typical prediction gets a
+        remark on what leads to it: `typical` has the remarks, by the predicted number.
+        """
+        self._measured, self._typical = measured, typical
         self.final = self.value is not None
         if self._view is not None:
             self._view.refresh()
         return Message(self.said())
+
+    def give_up(self) -> Message:
+        """Return the result without a prediction."""
+        self.given_up = self.final = self._measured is not None
+        return Message(self.said() or "Run the cell with the result first.")
 
     def _understood(self, typed: str) -> float | str:
         """Return the typed text as a value, or raise ValueError with an explanation of what to type."""
@@ -172,11 +203,23 @@ class Prediction:
         ):
             return f"You predicted {self._say(self.value)}, and so it is."
         if self.value is None:
-            return (
-                f"You wrote no prediction: {came} Next time, guess first; a guess is enough." if came else ""
-            )
+            if not came:
+                return ""
+            if not self.given_up:
+                return (
+                    "The result waits for your prediction: write it into the field above. A guess is enough."
+                )
+            return f"You wrote no prediction: {came} Next time, guess first; a guess is enough."
         predicted = f"You predicted {self._say(self.value)}"
-        return f"{predicted}; {came}" if came else f"{predicted}. Now run the next cell."
+        return f"{predicted}; {came}{self._remark()}" if came else f"{predicted}. Now run the next cell."
+
+    def _remark(self) -> str:
+        """Return the remark on the typical prediction that this one is, if it is one and not nearer to the result."""
+        if not isinstance(self.value, float) or not isinstance(self._measured, (float, int)):
+            return ""
+        value, off = self.value, abs(self.value - self._measured)
+        near = [each for each in self._typical if abs(value - each) <= min(_SAME * abs(each), off)]
+        return f" {self._typical[min(near, key=lambda each: abs(value - each))]}" if near else ""
 
     def __repr__(self) -> str:
         """Return the question as text, for places without widgets."""
@@ -191,7 +234,10 @@ class Prediction:
 
 
 class _PredictionView:
-    """The widgets of a prediction, which is stored by Enter, by leaving the field, or by the button."""
+    """The widgets of a prediction, which is stored by Enter, by leaving the field, or by the button.
+
+    A second button shows a result that waits for a prediction.
+    """
 
     def __init__(self, prediction: Prediction) -> None:
         import ipywidgets
@@ -208,18 +254,25 @@ class _PredictionView:
         self.button = ipywidgets.Button(
             description="Write it down", tooltip="Keep this prediction and compare it below"
         )
+        self.quit = ipywidgets.Button(description="Give up", tooltip="Show the result without a prediction")
         self.said = ipywidgets.HTML()
         title = ipywidgets.HTML(value=Message(prediction.text)._repr_html_() + styles_that_keep_keys())
-        row = ipywidgets.HBox([self.field, ipywidgets.Label(prediction.unit), self.button])
+        row = ipywidgets.HBox([self.field, ipywidgets.Label(prediction.unit), self.button, self.quit])
         self.box = ipywidgets.VBox([title, row, self.said])
         self.field.observe(self.write, names="value")
         self.button.on_click(self.write)
+        self.quit.on_click(self.give_up)
         self.refresh()
 
     def write(self, _: Any) -> None:
         """Store the contents of the field."""
         self.said.value = self.prediction.write(self.field.value)._repr_html_()
         self._lock()
+
+    def give_up(self, _: Any) -> None:
+        """Show the result without a prediction."""
+        self.prediction.give_up()
+        self.refresh()
 
     def refresh(self) -> None:
         """Show the prediction and, if it is known, the result."""
@@ -228,7 +281,9 @@ class _PredictionView:
         self._lock()
 
     def _lock(self) -> None:
-        self.field.disabled = self.button.disabled = self.prediction.final
+        prediction = self.prediction
+        self.field.disabled = self.button.disabled = prediction.final
+        self.quit.layout.display = "" if prediction.waits else "none"
 
 
 @cache  # a cell that is run again shows the same prediction

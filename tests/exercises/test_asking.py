@@ -134,8 +134,9 @@ def test_one_is_said_in_the_singular_and_any_other_number_in_the_plural(ask_for,
     guess.write(said)  # it may be typed like that, too
     assert repr(guess.beside(2)).startswith(f"You predicted {said}; it is 2")
     assert repr(guess.beside(1)) == f"You predicted {said}, and so it is."
-    alone = Prediction("How many?", unit).beside(np.int64(1))
-    assert repr(alone).startswith(f"You wrote no prediction: it is {said}. ")
+    alone = Prediction("How many?", unit)
+    alone.beside(np.int64(1))
+    assert repr(alone.give_up()).startswith(f"You wrote no prediction: it is {said}. ")
 
 
 def test_half_of_a_thing_is_said_in_the_plural(ask_for):
@@ -144,12 +145,26 @@ def test_half_of_a_thing_is_said_in_the_plural(ask_for):
     assert repr(guess.beside(0)) == "You predicted 0.5 particles; it is 0 particles."
 
 
-def test_without_a_prediction_the_result_is_said_kindly_and_one_can_still_be_written(ask_for):
+def test_without_a_prediction_the_result_waits_for_one(ask_for):
     guess = ask_for(unit="m")
-    assert repr(guess.beside(2.0)) == (
-        "You wrote no prediction: it is 2 m. Next time, guess first; a guess is enough."
-    )
+    field, _, said = shown(guess)
+    assert "2" not in repr(guess.beside(2.0)) and "2" not in repr(guess) and "A guess is enough" in said.value
+    assert not field.disabled
     assert repr(guess.write("1")) == "You predicted 1 m; it is 2 m."
+
+
+def test_who_gives_up_is_told_the_result_kindly_and_can_no_longer_write_one(ask_for):
+    guess = ask_for(unit="m")
+    field, _, said = shown(guess)
+    *_, quit_button = guess._view.box.children[1].children
+    assert quit_button.layout.display == "none"
+    assert "first" in repr(guess.give_up())
+    guess.beside(2.0)
+    assert quit_button.layout.display == ""
+    quit_button.click()
+    assert "You wrote no prediction: it is 2 m. Next time, guess first; a guess is enough." in said.value
+    assert field.disabled and quit_button.layout.display == "none"
+    assert "already seen the result" in repr(guess.write("1"))
 
 
 def test_it_can_be_changed_until_the_result_is_there(ask_for):
