@@ -12,7 +12,7 @@ import zipfile
 
 import pytest
 
-from nao_course.instructor.sandbox.layers import LEVELS, probe
+from nao_course.instructor.sandbox.layers import LEVELS, NAMESPACES, probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
 from tests.attacks.code import ATTACKS
@@ -22,7 +22,7 @@ from tests.toy.course import lay_out_first_lessons
 
 DOCS = PROJECT / "docs"
 PAGES = ("../README.md", *sorted(path.name for path in DOCS.glob("*.md")))
-NAMESPACES = ("user namespace", "pid namespace", "mount namespace", "ipc namespace", "network namespace")
+
 LESSON = "01_hsl_filtering.ipynb"
 
 
@@ -56,14 +56,11 @@ def sh(tmp_path, monkeypatch):
     told = {"HOME": str(tmp_path), "PYTHONPATH": str(course), "COLUMNS": "250"}
     path = f"{program.parent}{os.pathsep}{os.environ['PATH']}"
 
+    environment = {**os.environ, **told, "PATH": path}
+
     def run(commands):
-        done = subprocess.run(
-            ["sh", "-e", "-c", commands],
-            cwd=course,
-            env={**os.environ, **told, "PATH": path},
-            capture_output=True,
-            text=True,
-        )
+        words = ["sh", "-e", "-c", commands]
+        done = subprocess.run(words, cwd=course, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, f"{commands}\n{done.stderr}"
         return done.stdout
 
@@ -156,62 +153,47 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in {re.sub(r"[^\w -]", "", h).lower().replace(" ", "-") for h in headings}
 
 
-def test_what_is_said_to_be_tested_is():
+@pytest.fixture(scope="module")
+def tests():
+    """The names of all tests."""
+    texts = [path.read_text(encoding="utf-8") for path in (PROJECT / "tests").rglob("test_*.py")]
+    return {name for text in texts for name in re.findall(r"^def (test_\w+)", text, re.MULTILINE)}
+
+
+def test_what_is_said_to_be_tested_is(tests):
     """Each word of code in the last column of the table of threats is a test or an attack that there is."""
-    tests = {
-        name
-        for path in (PROJECT / "tests").rglob("test_*.py")
-        for name in re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)
-    }
-    there = tests | {attack.name for attack in ATTACKS}
-    rows = text_of("what_is_protected.md").split("| what a")[1].split("\n\n")[0].splitlines()[2:]
+    text = text_of("what_is_protected.md")
+    rows = text.split("| what a")[1].split("\n\n")[0].splitlines()[2:]
     named = [name for row in rows for name in re.findall(r"`(\w+)`", row.rstrip(" |").split(" | ")[-1])]
-    named += re.findall(r"`(test_\w+)`", text_of("what_is_protected.md"))
+    named += re.findall(r"`(test_\w+)`", text)
     assert len(named) >= 20
-    assert [name for name in named if name not in there] == []
+    assert [name for name in named if name not in tests | {attack.name for attack in ATTACKS}] == []
 
 
-def rubric():
-    """The rules of a lesson by their numbers, each with the tests that it names."""
+def test_every_rule_of_a_lesson_names_tests_that_there_are_and_every_test_of_a_rule_is_named(tests):
     text = text_of("write_a_lesson.md").split("## What a great lesson is")[1].split("\n## ")[0]
     rules = re.split(r"^(\d+)\. ", text, flags=re.MULTILINE)[1:]
     pairs = zip(rules[::2], rules[1::2], strict=True)
-    return {int(number): re.findall(r"`(test_\w+)`", rule) for number, rule in pairs}
-
-
-def test_every_rule_of_a_lesson_names_tests_that_there_are_and_every_test_of_a_rule_is_named():
-    tests = {
-        name
-        for path in (PROJECT / "tests").rglob("test_*.py")
-        for name in re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)
-    }
-    assert list(rubric()) == list(range(1, 35))
-    named = {name for names in rubric().values() for name in names}
-    assert named <= tests
-    assert {name for name in tests if name.startswith("test_rubric_")} <= named
-    for number, names in rubric().items():
+    rubric = {int(number): re.findall(r"`(test_\w+)`", rule) for number, rule in pairs}
+    assert list(rubric) == list(range(1, 35))
+    named = {name for names in rubric.values() for name in names}
+    assert {name for name in tests if name.startswith("test_rubric_")} <= named <= tests
+    for number, names in rubric.items():
         numbered = [name for name in names if name.startswith("test_rubric_")]
         assert all(name.startswith(f"test_rubric_{number}_") for name in numbered)
 
 
 def test_every_level_is_a_column_of_the_table_of_threats():
-    (header,) = (
-        line
-        for line in text_of("what_is_protected.md").splitlines()
-        if line.startswith("| what a student's code")
-    )
+    (header,) = re.findall(r"^\| what a student's code.*", text_of("what_is_protected.md"), re.MULTILINE)
     assert re.findall(r"`(\w+)`", header) == list(LEVELS)
 
 
 def test_the_table_of_withstood_attacks_is_what_was_measured():
-    rows = re.findall(r"^\| (denial|gain|leak|harm): .*$", text_of("what_is_protected.md"), re.MULTILINE)
+    rows = re.findall(r"^\| (denial|gain|leak|harm): (.*)$", text_of("what_is_protected.md"), re.MULTILINE)
     measured = json.loads((PROJECT / "benchmarks" / "results" / "siege.json").read_text(encoding="utf-8"))
-    assert rows == list(measured["withstood"])
-    for kind, levels in measured["withstood"].items():
-        (row,) = (
-            line for line in text_of("what_is_protected.md").splitlines() if line.startswith(f"| {kind}: ")
-        )
-        cells = [f"{held} of {graded}" for held, graded in levels.values()]
+    assert [kind for kind, _ in rows] == list(measured["withstood"])
+    for kind, row in rows:
+        cells = [f"{held} of {graded}" for held, graded in measured["withstood"][kind].values()]
         assert row.split(" | ")[1:4] == cells
 
 

@@ -8,8 +8,8 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -63,11 +63,7 @@ def writer(folder, first, many, **options):
 
 
 def is_whole(folder):
-    database = sqlite3.connect(Path(folder) / NAME)
-    try:
-        return database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
-    finally:
-        database.close()
+    return sql(folder / NAME, "PRAGMA integrity_check") == [[("ok",)]]
 
 
 def test_what_is_kept_comes_back_as_it_was(tmp_path):
@@ -82,7 +78,7 @@ def test_what_is_kept_comes_back_as_it_was(tmp_path):
         assert list(journal.each_result(student="bob")) == [bob]
 
 
-def test_the_same_result_of_two_graders_leaves_nothing_in_the_history(tmp_path):
+def test_a_newer_result_takes_the_place_of_the_older_which_goes_into_the_history_if_they_differ(tmp_path):
     with Journal(tmp_path) as one, Journal(tmp_path) as other:
         one.keep(RESULT)
         other.keep(replace(RESULT, seconds=2.0))
@@ -90,29 +86,23 @@ def test_the_same_result_of_two_graders_leaves_nothing_in_the_history(tmp_path):
         one.want_again("ada", LESSON)
         other.keep(RESULT)
         assert [each.seconds for each in one.history("ada", LESSON)] == [2.0]
-
-
-def test_a_newer_result_takes_the_place_of_the_older_which_goes_into_the_history(tmp_path):
-    with Journal(tmp_path) as journal:
-        for reason in ("first", "second", "third"):
-            journal.keep(replace(RESULT, submission=reason, reason=reason))
-        assert [each.reason for each in journal.results()] == ["third"]
-        assert [each.reason for each in journal.history("ada", LESSON)] == ["first", "second"]
+        for reason in ("first", "second"):
+            one.keep(replace(RESULT, submission=reason, reason=reason))
+        assert [each.reason for each in one.results()] == ["second"]
+        assert [each.reason for each in one.history("ada", LESSON)] == ["", "", "first"]
 
 
 def test_only_what_is_missing_or_has_changed_or_is_wanted_again_is_missing(tmp_path):
+    here = ("ada", LESSON, "s", "a")
+    elsewhere = [("ada", LESSON, "other", "a"), ("ada", LESSON, "s", "other"), ("bob", LESSON, "s", "a")]
     with Journal(tmp_path) as journal:
-        assert journal.missing("ada", LESSON, "s", "a")
-        journal.keep(RESULT)
-        assert not journal.missing("ada", LESSON, "s", "a")
-        assert journal.missing("ada", LESSON, "other", "a")
-        assert journal.missing("ada", LESSON, "s", "other")
-        assert journal.missing("bob", LESSON, "s", "a")
-        assert journal.missing("ada", "02_x", "s", "a")
-        journal.want_again("ada", LESSON)
-        assert journal.missing("ada", LESSON, "s", "a")
-        journal.keep(RESULT)
-        assert not journal.missing("ada", LESSON, "s", "a")
+        assert journal.missing(*here)
+        for _ in range(2):
+            journal.keep(RESULT)
+            assert not journal.missing(*here)
+            assert all(journal.missing(*each) for each in (*elsewhere, ("ada", "02_x", "s", "a")))
+            journal.want_again("ada", LESSON)
+            assert journal.missing(*here)
 
 
 def test_the_last_override_and_mark_of_each_count_and_survive_a_new_result(tmp_path):
@@ -122,33 +112,20 @@ def test_the_last_override_and_mark_of_each_count_and_survive_a_new_result(tmp_p
             journal.mark([Mark("ada", LESSON, "why", points, "good"), Mark("bob", "02_x", "why", points)])
         journal.keep(RESULT)
         (override,) = journal.overrides()
-        assert (override.points, override.reason) == (2.0, "because")
-        assert [(each.student, each.points, each.comment) for each in journal.marks()] == [
-            ("ada", 2.0, "good"),
-            ("bob", 2.0, ""),
-        ]
+        assert (override.points, override.reason) == (2.0, "because") and journal.overrides("02_x") == []
+        marks = [(each.student, each.points, each.comment) for each in journal.marks()]
+        assert marks == [("ada", 2.0, "good"), ("bob", 2.0, "")]
         assert [each.student for each in journal.marks("02_x")] == ["bob"]
-        assert journal.overrides("02_x") == []
 
 
-def test_marks_are_kept_all_or_none(tmp_path):
+def test_marks_are_kept_all_or_none_and_where_the_submissions_were_is_remembered(tmp_path):
     with Journal(tmp_path) as journal:
-        broken = [Mark("ada", LESSON, "why", 1.0), Mark("ada", LESSON, None, 1.0)]
         with pytest.raises(JournalError):
-            journal.mark(broken)
-        assert journal.marks() == []
-        journal.mark([Mark("ada", LESSON, "why", 1.0)])
-
-
-def test_where_the_submissions_were_is_remembered(tmp_path):
-    with Journal(tmp_path) as journal:
-        assert journal.places() == []
-        journal.began(tmp_path / "a")
-        journal.began(tmp_path / "b")
-        assert journal.places() == [(tmp_path / name).resolve() for name in ("b", "a")]
-
-
-# --- what is no journal ---
+            journal.mark([Mark("ada", LESSON, "why", 1.0), Mark("ada", LESSON, None, 1.0)])
+        assert journal.marks() == [] and journal.places() == []
+        for name in "ab":
+            journal.began(tmp_path / name)
+        assert journal.places() == [(tmp_path / name).resolve() for name in "ba"]
 
 
 def test_a_journal_that_is_not_there_is_made_only_where_that_is_wanted(tmp_path):
@@ -157,49 +134,47 @@ def test_a_journal_that_is_not_there_is_made_only_where_that_is_wanted(tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_file_that_is_no_journal_is_left_as_it_is(tmp_path):
+def test_a_file_that_is_no_journal_of_this_version_is_left_as_it_is(tmp_path):
     path = tmp_path / NAME
-    path.write_bytes(b"my notes, not a database at all" * 100)
+    notes = b"my notes, not a database at all" * 100
+    path.write_bytes(notes)
     with pytest.raises(JournalError, match="not a journal: move it away"):
         Journal(tmp_path)
-    assert path.read_bytes() == b"my notes, not a database at all" * 100
-
-
-def test_another_programs_database_is_left_as_it_is(tmp_path):
-    other = sqlite3.connect(tmp_path / NAME)
-    other.execute("CREATE TABLE results (x)")
-    other.commit()
-    other.close()
-    before = (tmp_path / NAME).read_bytes()
+    assert path.read_bytes() == notes
+    path.unlink()
+    sql(path, "CREATE TABLE results (x)")
+    before = path.read_bytes()
     with pytest.raises(JournalError, match="no journal of this course"):
         Journal(tmp_path)
-    assert (tmp_path / NAME).read_bytes()[100:] == before[100:]
-
-
-def test_a_newer_versions_journal_is_refused(tmp_path):
+    assert path.read_bytes()[100:] == before[100:]
+    path.unlink()
     Journal(tmp_path).close()
-    database = sqlite3.connect(tmp_path / NAME)
-    database.execute(f"PRAGMA user_version = {VERSION + 1}")
-    database.close()
+    sql(path, f"PRAGMA user_version = {VERSION + 1}")
     with pytest.raises(JournalError, match=f"is of version {VERSION + 1}"):
         Journal(tmp_path)
 
 
+def sql(path, *commands):
+    with closing(sqlite3.connect(path)) as database, database:
+        return [
+            database.execute(*([each] if isinstance(each, str) else each)).fetchall() for each in commands
+        ]
+
+
 def of_version_1(folder):
     """Turn a journal into one of the version in which decisions did not say for which answer they are."""
-    database = sqlite3.connect(folder / NAME)
-    for table in ("overrides", "marks", "comments", "requests"):
-        database.execute(f"ALTER TABLE {table} DROP COLUMN decided_on")
-    database.execute("ALTER TABLE overrides DROP COLUMN earned")
-    found = json.loads(database.execute("SELECT result FROM results").fetchone()[0])
-    for each in found["exercises"]:
-        del each["answer"]
-    for each in found["written"]:
-        del each["note"]
-    database.execute("UPDATE results SET result = ?", (json.dumps(found),))
-    database.execute("PRAGMA user_version = 1")
-    database.commit()
-    database.close()
+    decisions = ("overrides", "marks", "comments", "requests")
+    *_, ((text,),) = sql(
+        folder / NAME,
+        *(f"ALTER TABLE {table} DROP COLUMN decided_on" for table in decisions),
+        "ALTER TABLE overrides DROP COLUMN earned",
+        "SELECT result FROM results",
+    )
+    found = json.loads(text)
+    for each, name in [(each, "answer") for each in found["exercises"]] + [(found["written"][0], "note")]:
+        del each[name]
+    update = ("UPDATE results SET result = ?", (json.dumps(found),))
+    sql(folder / NAME, update, "PRAGMA user_version = 1")
 
 
 def test_decisions_of_an_older_journal_are_for_the_answers_that_were_there(tmp_path):
@@ -215,11 +190,8 @@ def test_decisions_of_an_older_journal_are_for_the_answers_that_were_there(tmp_p
         assert journal.results()[0].written == RESULT.written
     known = replace(RESULT, exercises=(replace(EXERCISE, answer="x"),), assignment="b")  # graded again
     elsewhere = replace(known, submission="t")
-    changed = replace(
-        elsewhere,
-        exercises=(replace(EXERCISE, answer="y"),),
-        written=(replace(RESULT.written[0], text="Darum"),),
-    )
+    other = (replace(EXERCISE, answer="y"),), (replace(RESULT.written[0], text="Darum"),)
+    changed = replace(elsewhere, exercises=other[0], written=other[1])
     for each, decided in ((RESULT, True), (known, True), (elsewhere, True), (changed, False)):
         with Journal(tmp_path) as journal:
             journal.keep(each)
@@ -230,15 +202,17 @@ def test_decisions_of_an_older_journal_are_for_the_answers_that_were_there(tmp_p
         assert score.comments == {"hue_mask": "Look."}
 
 
-def test_a_result_that_cannot_be_read_is_said(tmp_path):
+def test_a_read_only_journal_can_be_read_and_a_result_that_cannot_be_read_is_said(tmp_path):
     with Journal(tmp_path) as journal:
         journal.keep(RESULT)
+        journal._database.execute("PRAGMA query_only = 1")
+        with pytest.raises(JournalError, match="cannot write the journal .*readonly"):
+            journal.keep(replace(RESULT, student="bob"))
+        assert journal.results() == [RESULT]
+        journal._database.execute("PRAGMA query_only = 0")
         journal._database.execute("UPDATE results SET result = '{}'")
         with pytest.raises(JournalError, match="cannot be read"):
             journal.results()
-
-
-# --- several writers, and the end of one ---
 
 
 def test_two_graders_on_one_journal_lose_nothing(tmp_path):
@@ -299,12 +273,3 @@ def test_a_folder_that_may_not_be_written_to_is_said(tmp_path):
         (tmp_path / "grades").mkdir(mode=0o500)
     with pytest.raises(JournalError, match="cannot open the journal .*grades"):
         Journal(tmp_path / "grades")
-
-
-def test_a_read_only_journal_is_said_and_can_still_be_read(tmp_path):
-    with Journal(tmp_path) as journal:
-        journal.keep(RESULT)
-        journal._database.execute("PRAGMA query_only = 1")
-        with pytest.raises(JournalError, match="cannot write the journal .*readonly"):
-            journal.keep(replace(RESULT, student="bob"))
-        assert journal.results() == [RESULT]
