@@ -31,7 +31,7 @@ def test_a_key_lets_the_robot_go_by_itself_and_another_stops_it(lab, page):
     board.wait_for(timeout=120_000)
     assert "✔ next move" in page.locator(".nao-ready").inner_text()
     first = board.inner_text()
-    page.locator(".nao-keys").click()
+    page.locator(".nao-chosen").click()
     page.keyboard.press("g")
 
     def seen():

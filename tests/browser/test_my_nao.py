@@ -43,7 +43,7 @@ def test_the_students_own_labels_drive_along(lab, page):
     wait_for(lambda: painted_green(page, "top") > 0.3, "labels beside the picture", 30)
     assert painted_green(page, "bottom") < 0.2
 
-    page.locator(".nao-image-bottom").click(position={"x": 300, "y": 40})  # anywhere in the panel
+    page.locator(".nao-image-bottom").click(position={"x": 200, "y": 140})  # anywhere in the panel
     before = page.locator(".nao-image-top img").get_attribute("src")
     page.keyboard.press("w")
     expect(lambda: words(page), "Walk 0.20 m ahead: done")
@@ -56,7 +56,7 @@ def test_the_students_own_labels_drive_along(lab, page):
     wait_for(lambda: painted_green(page, "top") < 0.2, "the top camera's own picture", 30)
     assert words(page) == told, "another view shows the same results"
     picture = looked_at(page, "bottom")
-    page.locator(".nao-keys").click()
+    page.locator(".nao-chosen").click()
     page.keyboard.press("v")
     wait_for(lambda: np.abs(looked_at(page, "bottom") - picture).mean() > 0.2, "labels over the picture", 30)
     assert painted_green(page, "top") < 0.2

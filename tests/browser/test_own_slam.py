@@ -35,7 +35,7 @@ def drive(lab, page, name):
         """() => { window.naoSteps = 0; document.querySelector('.nao-image-bottom img')
         .addEventListener('load', () => window.naoSteps += 1); }"""
     )
-    page.locator(".nao-keys").click()
+    page.locator(".nao-chosen").click()
 
     def held(steps):
         page.keyboard.down("w")  # again and again: as a key that is held repeats itself

@@ -1,0 +1,106 @@
+"""The control panel in a real browser: it fits on a screen, nothing moves in it, and its keys are its own."""
+
+import pytest
+
+from tests.browser.lab import wait_for
+from tests.browser.notebook_page import panel_of, screenshot
+
+pytestmark = pytest.mark.browser
+
+PANEL = """from nao_course.sim import SimulatedNao, Truth
+from nao_course.slam import DeadReckoning
+from nao_course.widgets import ControlPanel
+
+nao = SimulatedNao(rng=4)
+panel = ControlPanel(nao, truth=Truth(nao), slam=DeadReckoning())
+panel"""
+# Where everything in the panel is
+_BOXES = """root => [...root.querySelectorAll('button, .nao-stage > *, .nao-map-canvas, .nao-tile')].map(each => {
+  const box = each.getBoundingClientRect(), own = root.getBoundingClientRect();
+  return [box.left - own.left, box.top - own.top, box.width, box.height].map(Math.round).join(' '); })"""
+
+
+def place(page, selector):
+    return page.locator(selector).first.bounding_box()
+
+
+@pytest.fixture
+def panel(lab, page):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    root = panel_of(lab, page, "control_panel.ipynb", PANEL, "1 + 1", kind=".nao-cockpit")
+    page.locator(".nao-image-bottom img").wait_for()
+    root.evaluate("each => each.scrollIntoView({block: 'start'})")
+    return root
+
+
+def test_picture_and_map_are_beside_each_other_and_the_panel_fits_at_every_width(page, panel):
+    for width, highest in ((1280, 640), (1024, 560), (900, 680)):
+        page.set_viewport_size({"width": width, "height": 800})
+        page.wait_for_timeout(800)
+        picture, field_map = place(page, ".nao-cameras"), place(page, ".nao-face")
+        assert panel.bounding_box()["height"] <= highest, width
+        assert picture["y"] == field_map["y"] and picture["height"] == pytest.approx(
+            field_map["height"], abs=1
+        )
+        assert picture["x"] + picture["width"] < field_map["x"]
+        assert place(page, ".nao-map-canvas")["height"] > 0.8 * picture["height"]
+        screenshot(page, f"control_panel_{width}")
+    page.evaluate("window.jupyterapp.commands.execute('application:toggle-left-area').then(() => null)")
+    page.set_viewport_size({"width": 540, "height": 800})
+    wait_for(lambda: not page.locator(".nao-face").is_visible(), "a picture that is alone", 20)
+    alone = place(page, ".nao-cameras")
+    page.locator(".nao-chosen img").click()
+    wait_for(lambda: page.locator(".nao-map-canvas").is_visible(), "the map in its place", 20)
+    assert place(page, ".nao-face")["y"] == pytest.approx(alone["y"], abs=2)
+
+
+def test_nothing_moves_when_the_robot_does_or_a_view_changes(page, panel):
+    before = panel.evaluate(_BOXES)
+    page.locator(".nao-chosen img").click()
+    for key in "wal ":
+        page.keyboard.press(key)
+    wait_for(lambda: "Picture taken" in page.locator(".nao-over").inner_text(), "a picture", 30)
+    wait_for(lambda: "…" not in page.locator(".nao-over").inner_text(), "the drive's end", 30)
+    assert panel.evaluate(_BOXES) == before
+    page.keyboard.press("t")
+    page.locator(".nao-face .nao-world").wait_for()
+    page.keyboard.press("t")
+    page.locator(".nao-map-canvas").wait_for()
+    assert panel.evaluate(_BOXES) == before
+
+
+def test_a_key_right_after_a_click_is_the_panels_and_a_frame_says_so(page, panel):
+    cells = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
+    page.evaluate(
+        """() => { window.naoKeys = [];
+        document.querySelector('.nao-keys').addEventListener('keydown', event => window.naoKeys.push(event.key)); }"""
+    )
+    places = ".nao-chosen img", ".nao-map-canvas", ".nao-tile", ".nao-do-stop"
+    for number, selector in enumerate(places * 3, start=1):
+        page.evaluate("document.activeElement.blur()")
+        box = place(page, selector)
+        page.mouse.move(box["x"] + box["width"] / 3, box["y"] + box["height"] / 2)
+        page.mouse.down()
+        page.mouse.up()
+        page.keyboard.press("x")
+        assert page.evaluate("window.naoKeys.length") == number, selector
+    assert page.evaluate(cells) == 2
+    assert panel.evaluate("each => getComputedStyle(each).outlineStyle") == "solid"
+
+
+def test_after_a_restart_a_sentence_says_what_to_do_instead_of_broken_icons(lab, page, panel):
+    page.evaluate(
+        """() => { window.jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart(); }"""
+    )
+    sentence = "each => getComputedStyle(each, '::after').content"
+    wait_for(lambda: "Run its cell again" in panel.evaluate(sentence), "the sentence", 60)
+    icons = """root => [root, ...root.querySelectorAll('*')]
+    .filter(each => getComputedStyle(each, '::before').fontFamily.includes('Awesome')
+      && getComputedStyle(each, '::before').content !== 'none').length"""
+    assert panel.evaluate(icons) == 0
+    screenshot(page, "control_panel_restarted")
+    wait_for(lab._is_ready, "the new kernel", 60)
+    lab.run_all(page)
+    again = page.locator(".nao-cockpit").first
+    again.wait_for(timeout=60_000)
+    wait_for(lambda: again.evaluate(sentence) == "none", "a panel that works", 30)

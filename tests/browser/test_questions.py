@@ -1,0 +1,43 @@
+"""The questions of all lessons in a real browser: no choice lies over another one, and each circle is visible."""
+
+import pytest
+
+from tests.browser.lab import wait_for
+from tests.browser.notebook_page import run_notebook, screenshot
+from tests.paths import SOLUTIONS
+
+pytestmark = pytest.mark.browser
+
+LESSONS = sorted(path.stem for path in SOLUTIONS.glob("[0-9]*.ipynb"))
+CELL = f"""import ipywidgets
+from nao_course.exercises.asking import ask
+from nao_course.exercises.checking import read_public
+
+questions = [each for lesson in {LESSONS} for each in read_public(lesson).questions]
+ipywidgets.VBox([ask(each) for each in questions])"""
+# Questions with a choice that reaches into the next one, or whose circle is outside of its own label
+_WRONG = """() => [...document.querySelectorAll('.nao-question')].filter(question => {
+  const labels = [...question.querySelectorAll('.widget-radio-box label')], box = each => each.getBoundingClientRect();
+  return labels.some((label, i) => {
+    const own = box(label), circle = box(label.querySelector('input')), next = labels[i + 1] && box(labels[i + 1]);
+    const words = document.createRange();
+    words.selectNodeContents(label);
+    return own.bottom > (next?.top ?? Infinity)
+      || box(words).bottom > own.bottom + 1 || box(words).right > own.right + 1
+      || circle.width < 8 || circle.left < own.left - 1 || circle.right > own.right || circle.bottom > own.bottom;
+  });
+}).map(each => each.innerText)"""
+
+
+def test_no_choice_lies_over_another_one_and_each_circle_is_visible(lab, page):
+    page.set_viewport_size({"width": 800, "height": 800})
+    run_notebook(lab, page, "questions.ipynb", CELL)
+    questions = page.locator(".nao-question")
+    questions.first.wait_for(timeout=60_000)
+    wait_for(lambda: questions.count() >= len(LESSONS), "the questions of all lessons", 60)
+    circles, labels = (
+        page.locator(f".nao-question .widget-radio-box {each}").count() for each in ("input", "label")
+    )
+    assert circles == labels > 2 * questions.count()
+    assert page.evaluate(_WRONG) == []
+    screenshot(page, "questions")
