@@ -1,7 +1,5 @@
 """A graph says what it is made of, adds its edges' blocks up as scipy does, and knows an order that keeps H sparse."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.sparse
@@ -27,29 +25,19 @@ def some_graph(rng: np.random.Generator, poses: int = 8, landmarks: int = 4, edg
 def grid(side: int) -> Graph:
     """Poses on a grid, each linked with its neighbours."""
     number = np.arange(side * side).reshape(side, side)
-    links = np.concatenate(
-        [
-            np.column_stack([number[:, :-1].ravel(), number[:, 1:].ravel()]),
-            np.column_stack([number[:-1].ravel(), number[1:].ravel()]),
-        ]
-    )
+    pairs = (number[:, :-1], number[:, 1:]), (number[:-1], number[1:])
+    links = np.concatenate([np.column_stack([one.ravel(), other.ravel()]) for one, other in pairs])
     unit = np.broadcast_to(np.eye(3), (len(links), 3, 3))
     return Graph(links, np.zeros((len(links), 3)), unit, np.full(side * side, POSE))
 
 
-# --- what a graph is made of ---
-
-
-def test_states_are_split_into_poses_and_landmarks(rng: np.random.Generator) -> None:
+def test_states_are_split_into_poses_and_landmarks_which_edges_find(rng):
     graph = some_graph(rng, 3, 2)
     poses, landmarks = graph.split(np.arange(13.0))
     assert poses.tolist() == [[0, 1, 2], [3, 4, 5], [6, 7, 8]]
     assert landmarks.tolist() == [[9, 10], [11, 12]]
     with pytest.raises(ValueError, match=r"states must have shape \(13,\): 3 poses and 2 landmarks"):
         graph.split(np.zeros(12))
-
-
-def test_places_of_an_edge_are_those_of_its_ends_in_the_states(rng: np.random.Generator) -> None:
     graph = some_graph(rng)
     states = rng.normal(size=graph.size)
     poses, landmarks = graph.split(states)
@@ -70,20 +58,17 @@ def test_places_of_an_edge_are_those_of_its_ends_in_the_states(rng: np.random.Ge
         ({"ids": [1, 2]}, r"ids must have shape \(3,\)"),
     ],
 )
-def test_what_does_not_fit_is_said(changed: dict[str, object], message: str) -> None:
+def test_what_does_not_fit_is_said(changed, message):
     whole = {"edges": [[0, 1]], "measurements": [[1.0, 0, 0]], "information": [np.eye(3)]}
     with pytest.raises(ValueError, match=message):
         Graph(**({"kinds": [POSE, POSE, LANDMARK]} | whole | changed))  # type: ignore[arg-type]
 
 
-def test_a_graph_survives_being_stored(rng: np.random.Generator) -> None:
+def test_a_graph_survives_being_stored_and_squared_errors_stand_in_the_order_of_its_edges(rng):
     graph = some_graph(rng)
     again = decode(encode(graph))
     for name in ("edges", "measurements", "information", "kinds", "ids"):
         assert np.array_equal(getattr(graph, name), getattr(again, name))
-
-
-def test_squared_errors_stand_in_the_order_of_the_edges(rng: np.random.Generator) -> None:
     graph = some_graph(rng)
     squares = graph.squared_errors(
         np.zeros(graph.size), lambda first, second, z: z, lambda pose, landmark, z: z
@@ -94,17 +79,14 @@ def test_squared_errors_stand_in_the_order_of_the_edges(rng: np.random.Generator
     assert squares == pytest.approx(wanted)
 
 
-def test_matrices_puts_numbers_and_arrays_together() -> None:
+def test_matrices_puts_numbers_and_arrays_together():
     assert matrices([[1, 2], [3, 4]]).tolist() == [[1, 2], [3, 4]]
     many = matrices([[np.array([1, 2, 3]), 0, 7]])
     assert many.shape == (3, 1, 3) and many[1].tolist() == [[2, 0, 7]]
 
 
-# --- sparse systems ---
-
-
 @pytest.mark.parametrize("landmarks", [0, 4])
-def test_blocks_add_up_as_in_scipys_own_sum(rng: np.random.Generator, landmarks: int) -> None:
+def test_blocks_add_up_as_in_scipys_own_sum(rng, landmarks):
     graph = some_graph(rng, landmarks=landmarks)
     for _ in range(2):  # the second time from what was found in the first
         groups = [graph.pose_edges.places, graph.landmark_edges.places]
@@ -117,13 +99,9 @@ def test_blocks_add_up_as_in_scipys_own_sum(rng: np.random.Generator, landmarks:
         assert found.toarray() == pytest.approx(wanted, abs=1e-12)
 
 
-def test_the_order_of_elimination_has_every_state_once_but_the_first_poses(rng: np.random.Generator) -> None:
+def test_the_order_of_elimination_has_every_state_once_and_keeps_poses_and_landmarks_whole(rng):
     graph = some_graph(rng)
     assert sorted(graph.elimination_order) == list(range(3, graph.size))
-
-
-def test_the_order_of_elimination_keeps_poses_and_landmarks_whole(rng: np.random.Generator) -> None:
-    graph = some_graph(rng)
     order = graph.elimination_order.tolist()
     for number in range(graph.poses + graph.landmarks):
         begin, width = (
@@ -134,17 +112,13 @@ def test_the_order_of_elimination_keeps_poses_and_landmarks_whole(rng: np.random
             assert order[at : at + width] == list(range(begin, begin + width))
 
 
-def test_a_factor_in_this_order_is_far_smaller_than_as_numbered() -> None:
+def test_a_factor_in_this_order_is_far_smaller_than_as_numbered():
     graph = grid(25)
     blocks = np.tile(np.block([[np.eye(3), -np.eye(3)], [-np.eye(3), np.eye(3)]]), (len(graph.edges), 1, 1))
     H = graph.add_blocks(blocks, np.zeros((0, 5, 5)))
 
     def entries(order: np.ndarray) -> int:
-        options = {"SymmetricMode": True}
-        return int(
-            scipy.sparse.linalg.splu(
-                H[order][:, order], "NATURAL", diag_pivot_thresh=0.0, options=options
-            ).L.nnz
-        )
+        options = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+        return int(scipy.sparse.linalg.splu(H[order][:, order], "NATURAL", **options).L.nnz)
 
     assert entries(graph.elimination_order) < 0.6 * entries(np.arange(3, graph.size))

@@ -40,14 +40,8 @@ def test_every_picture_is_told_in_words_which_are_the_same_on_every_page():
             assert len(alt) >= 40 and words.setdefault(path.name, alt) == alt, path.name
 
 
-def test_every_picture_is_shown_and_every_one_that_is_shown_is_there():
+def test_every_picture_is_shown_made_by_the_script_and_in_the_student_copies():
     assert {path for page in PAGES for _, path in uses(page)} == pictures()
-
-
-def test_the_script_makes_every_picture_and_no_other():
     assert {path.stem for path in pictures()} == {*PICTURES} - {f"{name[:2]}_payoff" for name in DRAFTS}
-
-
-def test_student_copies_come_with_the_pictures_of_the_solutions():
     copies = {path.name: path.read_bytes() for path in (PROJECT / "notebooks" / "images").iterdir()}
     assert copies == {path.name: path.read_bytes() for path in (PROJECT / "solutions" / "images").iterdir()}

@@ -1,7 +1,5 @@
 """The package as others install it: from built wheels, outside the repository, at the oldest declared versions."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -54,9 +52,6 @@ import importlib.metadata, json
 found = importlib.metadata.distributions()
 print(json.dumps({each.name.lower().replace("_", "-"): each.version for each in found}))
 """
-
-
-# --- an environment of its own ---
 
 
 class Environment:
@@ -122,9 +117,6 @@ def assert_the_example_draws(environment: Environment) -> None:
     assert matplotlib.image.imread(environment.folder / "nao.png").std() > 0.05, "an empty figure"
 
 
-# --- what is in them ---
-
-
 def files_of(archive: Path) -> set[str]:
     """Names of the files in a wheel or a source archive, without the folder that a source archive packs them in."""
     if archive.suffix == ".whl":
@@ -151,9 +143,6 @@ def test_the_wheels_and_the_source_archive_hold_the_library_and_no_solutions(whe
         assert beside <= {".gitignore", "LICENSE", "PKG-INFO", "pyproject.toml"}
 
 
-# --- what students install ---
-
-
 def test_a_students_wheel_is_the_package_alone_and_works_in_an_empty_folder(wheels, tmp_path):
     """Its dependencies are those of this environment: nothing is downloaded."""
     environment = Environment(tmp_path, sys.executable)
@@ -174,9 +163,6 @@ def test_a_students_wheel_is_the_package_alone_and_works_in_an_empty_folder(whee
     assert refused.returncode == 1 and "pip install 'nao-course[instructor]'" in refused.stderr
     refused = environment.run("nao-course", "renew")
     assert refused.returncode == 1 and "there is no folder release/notebooks" in refused.stderr
-
-
-# --- the oldest versions ---
 
 
 def declared() -> list[str]:

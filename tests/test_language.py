@@ -1,7 +1,5 @@
 """The language of the course: the field's words, plain sentences, and docstrings that begin with a verb."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests import language
@@ -63,10 +61,15 @@ def test_plain_english_is_allowed(sentence):
     assert said(in_prose(1, sentence)) == []
 
 
-def test_every_allowance_has_a_reason():
+def test_every_allowance_has_a_reason_and_the_offences_of_a_file_are_listed(tmp_path, capsys):
     reasons = [reason for each in language.PROSE for reason in each.allowed.values()]
     assert all(reason.strip() for reason in (*reasons, *language.ALLOWED_NAMES.values()))
     assert all(each.say for each in language.PROSE)
+    path = tmp_path / "notes.md"
+    path.write_text("Fine.\n\nAn honest\ndoubt.\n")
+    assert language.main([str(path)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(" -> ")[0] for line in lines] == [f"{path}:3: honest", f"{path}:4: doubt"]
 
 
 def test_comments_texts_names_and_docstrings_are_read_where_they_stand():
@@ -116,11 +119,3 @@ class Lean:
 )
 def test_a_function_says_what_it_does(docstring, right):
     assert language.begins_with_a_verb(docstring) == right
-
-
-def test_the_offences_of_a_file_are_listed(tmp_path, capsys):
-    path = tmp_path / "notes.md"
-    path.write_text("Fine.\n\nAn honest\ndoubt.\n")
-    assert language.main([str(path)]) == 1
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split(" -> ")[0] for line in lines] == [f"{path}:3: honest", f"{path}:4: doubt"]

@@ -36,9 +36,6 @@ def test_the_longest_begin_then_the_files_of_the_most_tests_and_none_is_lost():
         "tests/lessons/test_exercises.py",
         "tests/sim/test_render.py",
     ]
-
-
-def test_tests_that_share_what_is_prepared_are_one_unit_and_those_of_one_lesson_each_stand_alone():
     units = [unit for unit, _ in groupby(map(unit_of, (SOME[place] for place in in_order(SOME))))]
     assert len(units) == len(set(units)) == 6
 
@@ -48,31 +45,17 @@ def test_a_test_that_hangs_fails_once_and_the_others_run(tmp_path):
     (tmp_path / "test_three.py").write_text(
         "import time\ndef test_a(): pass\ndef test_b(): time.sleep(1000)\ndef test_c(): pass\n"
     )
-    options = [
-        "-n2",
-        "-pno:nbval",
-        "-pno:cacheprovider",
-        "-ofaulthandler_timeout=4",
-        "-c",
-        PROJECT / "pyproject.toml",
-    ]
-    run = subprocess.run(
-        [sys.executable, "-m", "pytest", *options, "--rootdir", tmp_path, tmp_path],
-        capture_output=True,
-        text=True,
-        cwd=PROJECT,
-        check=False,
-    )
+    options = ["-n2", "-pno:nbval", "-pno:cacheprovider", "-ofaulthandler_timeout=4"]
+    folders = ["-c", PROJECT / "pyproject.toml", "--rootdir", tmp_path, tmp_path]
+    command = [sys.executable, "-m", "pytest", *options, *folders]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=PROJECT, check=False)
     assert "1 failed, 2 passed" in run.stdout, run.stdout
 
 
 def test_a_changed_file_is_tested_by_the_file_or_the_folder_that_mirrors_it():
-    found = [
-        next(mirrors_of([path]))
-        for path in (
-            "nao_course/sim/nao.py",
-            "nao_course/widgets/control_panel/screen.py",
-            "deploy/hub/names.py",
-        )
-    ]
-    assert found == ["tests/sim/test_nao.py", "tests/widgets/control_panel", "tests/deploy"]
+    for path, mirror in (
+        ("nao_course/sim/nao.py", "tests/sim/test_nao.py"),
+        ("nao_course/widgets/control_panel/screen.py", "tests/widgets/control_panel"),
+        ("deploy/hub/names.py", "tests/deploy"),
+    ):
+        assert next(mirrors_of([path])) == mirror

@@ -40,7 +40,7 @@ def test_each_code_cell_has_the_last_heading_above_it():
 
 
 @pytest.mark.parametrize("size", [(6.4, 6.9), (13.0, 3.0), (4.0, 9.0)])
-def test_a_slide_has_the_format_of_a_screen_and_holds_the_whole_figure(size):
+def test_a_slide_has_the_format_of_a_screen_and_holds_the_whole_figure_in_larger_type(size):
     figure = Figure(figsize=size, layout="constrained")
     ax = figure.add_subplot()
     ax.set_title("a title that is wider than the axes below it", loc="left")
@@ -48,9 +48,6 @@ def test_a_slide_has_the_format_of_a_screen_and_holds_the_whole_figure(size):
         assert slide.size == PIXELS
         dark = np.argwhere(np.asarray(slide.convert("L")) < 128)
     assert dark[:, 1].max() < PIXELS[0] - 1, "the title is cut off"
-
-
-def test_type_is_larger_on_a_slide_than_in_the_lesson():
     drawing = draw_map(Field())
     before = drawing.figure.get_size_inches()
     as_slide(drawing)

@@ -40,16 +40,13 @@ def test_a_frame_is_kept_within_half_a_millimetre_and_half_a_milliradian(kind, d
         assert all(np.array_equal(a[:, column], b[:, column]) for a, b in zip(frames, read, strict=True))
 
 
-def test_an_ellipse_passes_through_the_points_of_its_outline():
+def test_an_ellipse_passes_through_its_outline_and_an_invalid_covariance_has_none():
     covariance = np.array([[0.04, 0.012], [0.012, 0.01]])
     layer = films.ellipse_layer("#0b5fa5", [([(1.0, 2.0)], [covariance])])
     x, y, a, b, d = layer.frames[0][0]
     angles = np.linspace(0, 2 * np.pi, 49)
     drawn = np.array([x, y]) + np.column_stack([np.cos(angles), np.sin(angles)]) @ np.array([[a, b], [b, d]])
     assert drawn == pytest.approx(ellipse_outlines([(1.0, 2.0)], [covariance])[0])
-
-
-def test_an_invalid_covariance_has_no_ellipse():
     layer = films.ellipse_layer("#0b5fa5", [([(0, 0), (1, 1)], [np.eye(2), -np.eye(2)])])
     assert len(layer.frames[0]) == 1
 
@@ -61,27 +58,21 @@ def test_a_matrix_is_kept_within_half_a_level_and_may_grow():
     assert matrix["frames"] == [[200, 0, 0], [200, -61, 200], None, None] and LEVELS == 200
 
 
-def test_a_frame_that_repeats_the_one_before_is_not_stored_again():
+def test_a_frame_that_repeats_the_one_before_is_stored_once_but_for_a_standing_path():
     frames = [[(0, 0)], [(0, 0)], [(1, 1)], [(1, 1)]]
     [layer] = small(films.point_layer("#000000", frames)).data()["layers"]
     assert layer["frames"] == [[0, 0], None, [1000, 1000], None]
     assert [each.tolist() for each in frames_of(small(films.point_layer("#000000", frames)).data(), 0)] == [
         [[0, 0]], [[0, 0]], [[1, 1]], [[1, 1]]
     ]  # fmt: skip
-
-
-def test_a_standing_path_keeps_each_pose_so_that_steps_stay_steps():
     [layer] = small(films.path_layer("truth", [POSES[0]] * 4)).data()["layers"]
     assert layer["frames"] == [[0, 0, 0]] * 4
 
 
-def test_the_field_is_drawn_where_it_lies():
+def test_the_field_is_drawn_where_it_lies_and_every_colour_has_a_twin_for_dark_pages():
     data = small(field=Field(2012)).data()
     assert data["bounds"] == [-700, -2700, 3700, 2700]
     assert [3000, -700, 70] in data["field"]["posts"]
-
-
-def test_every_colour_has_a_twin_for_dark_pages():
     [layer] = small().data()["layers"]
     assert (layer["colour"], layer["dark"]) == ("#1a1a1a", "#f4f4f4")
 
@@ -117,13 +108,9 @@ def broken(change):
         (lambda data: data.update(captions=[]), "captions must be texts, at least one"),
         (lambda data: data.update(bounds=[0, 0, 0, 1]), "bounds must be four whole numbers"),
         (lambda data: data["layers"].append({"kind": "blob"}), "layer 1 has the unknown kind 'blob'"),
-        (lambda data: data["layers"].append(7), "layer 1 has the unknown kind None"),
         (lambda data: data["layers"][0]["frames"].pop(), r"layer 0 \(path\): it must have 1 or 4 frames"),
         (lambda data: data["layers"][0]["frames"][2].pop(), "frame 2 has 2 numbers, .* 3 for each entry"),
-        (
-            lambda data: data["layers"][0]["frames"].__setitem__(1, [0.5, 0, 0]),
-            "frame 1 must be a list of whole",
-        ),
+        (lambda data: data["layers"][0]["frames"].__setitem__(1, [0.5]), "frame 1 must be a list of whole"),
         (lambda data: data["layers"][0]["frames"].__setitem__(0, None), "frame 0 must be a list of whole"),
         (lambda data: data["matrices"][0].pop("size"), "matrix 0 has no size"),
         (lambda data: data["matrices"][0]["frames"][0].append(1), "matrix 0: frame 0 has 4 numbers"),

@@ -12,14 +12,11 @@ from website.editions import EDITIONS, gather
 FOR_INSTRUCTORS = {"solutions", "teach_the_course", "grade_a_class", "what_is_protected", "design", "setup"}
 
 
-def test_students_get_their_copies_and_no_page_for_instructors():
+def test_students_get_no_page_for_instructors_and_these_get_every_page():
     student = EDITIONS["student"]
     assert student.lessons == "notebooks"
     assert not FOR_INSTRUCTORS & {*student.docs}
     assert not [page for page in student.docs if page.startswith("write_")]
-
-
-def test_instructors_get_every_page_of_the_docs():
     there = {path.stem for path in (PROJECT / "docs").glob("*.md")}
     assert sorted(EDITIONS["instructor"].docs) == sorted(there)
 

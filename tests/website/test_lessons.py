@@ -37,22 +37,17 @@ def test_a_lessons_facts_are_read(tmp_path):
     assert (lesson.points, lesson.written, lesson.takes) == (5, 2, ("01",))
 
 
-def test_a_lesson_about_which_the_course_says_nothing_is_named(tmp_path, monkeypatch):
+def test_a_lesson_that_lacks_a_fact_says_which(tmp_path, monkeypatch):
     monkeypatch.setattr(lessons, "ROOT", tmp_path)
     (tmp_path / "solutions").mkdir()
     (tmp_path / "solutions" / "lessons.toml").write_text('["00"]\ndoes = "x"\ncard = []\ncard_shows = "y"\n')
     with pytest.raises(ValueError, match=r'lessons.toml does not say needs, left_out under \["00"\]'):
         read_lesson(PROJECT / "notebooks" / "00_meet_the_nao.ipynb")
-
-
-def test_a_lesson_that_lacks_a_fact_says_which(tmp_path):
     path = tmp_path / "02_posts.ipynb"
     path.write_text(notebook(("markdown", "# Posts\n\nYou find them.", {})))
     with pytest.raises(ValueError, match=r"02_posts.ipynb does not say its picture, minutes"):
         read_lesson(path)
 
-
-# What the guide says of the lessons
 
 LESSONS = {
     lesson.number: lesson
@@ -75,16 +70,11 @@ def numbers(cell):
 
 
 def test_the_guide_says_each_lessons_minutes_points_and_what_it_takes():
-    said = [(row[1], row[2], row[3], numbers(row[4])) for row in rows_under("| week | lesson |")]
-    assert said == [
-        (
-            f"{each.number} {each.title}",
-            str(each.minutes),
-            f"{each.points:g} ({each.written:g})" if each.written else f"{each.points:g}",
-            each.takes,
-        )
-        for each in LESSONS.values()
-    ], "run `python -m website.guide`"
+    rows = rows_under("| week | lesson |")
+    for row, each in zip(rows, LESSONS.values(), strict=True):
+        points = f"{each.points:g} ({each.written:g})" if each.written else f"{each.points:g}"
+        facts = f"{each.number} {each.title}", str(each.minutes), points, each.takes
+        assert (*row[1:4], numbers(row[4])) == facts, "run `python -m website.guide`"
 
 
 def test_the_command_writes_the_rows_and_keeps_the_rest():
@@ -116,34 +106,24 @@ def test_a_shorter_course_says_how_long_it_is_and_what_is_lent_to_it():
     for name, given, minutes, lent in rows:
         lessons = [LESSONS[number] for number in numbers(given)]
         missing = {number for each in lessons for number in each.takes} - {*numbers(given)}
-        assert (name, int(minutes), {*numbers(lent)}) == (
-            name,
-            sum(each.minutes for each in lessons),
-            missing,
-        )
+        said = sum(each.minutes for each in lessons), missing
+        assert (int(minutes), {*numbers(lent)}) == said, name
 
 
 def test_what_goes_wrong_in_class_is_a_mistake_that_a_check_of_that_lesson_names():
     rows = rows_under("| lesson, exercise |")
     declarations = PROJECT / "solutions" / "exercises"
-    without = {
-        number
-        for number, each in LESSONS.items()
-        if "8" in load_plan(declarations / f"{each.name}.py").waived
-    }
+    plans = {number: load_plan(declarations / f"{each.name}.py") for number, each in LESSONS.items()}
+    without = {number for number, plan in plans.items() if "8" in plan.waived}
     assert {*LESSONS} - without <= {row[0][:2] for row in rows} <= {*LESSONS}
     for where, mistake, *_ in rows:
         number, exercise = re.fullmatch(r"(\d\d) `(\w+)`", where).groups()
         name = LESSONS[number].name
-        assert f'check(\\"{exercise}\\"' in (PROJECT / "notebooks" / f"{name}.ipynb").read_text(
-            encoding="utf-8"
-        ), where
-        plan = load_plan(PROJECT / "solutions" / "exercises" / f"{name}.py")
-        assert mistake in [each.name for each in plan[exercise].mistakes], where
+        notebook = (PROJECT / "notebooks" / f"{name}.ipynb").read_text(encoding="utf-8")
+        assert f'check(\\"{exercise}\\"' in notebook, where
+        assert mistake in [each.name for each in plans[number][exercise].mistakes], where
 
 
 def test_the_readme_says_how_long_each_lesson_takes():
-    table = dict(
-        re.findall(r"^\| \[(\d\d) .* \| (\d+) \|$", (PROJECT / "README.md").read_text(), re.MULTILINE)
-    )
+    table = dict(re.findall(r"^\| \[(\d\d) .* \| (\d+) \|$", README, re.MULTILINE))
     assert table == {each.number: str(each.minutes + each.later) for each in LESSONS.values()}
