@@ -36,20 +36,17 @@ def test_what_is_no_belief_is_said_in_words(answer, kind, words, with_map):
         as_belief(answer, with_map)
 
 
-def test_a_map_is_left_out_where_there_may_be_one_and_refused_elsewhere():
-    state, covariance = np.append(POSE, [np.nan, 9.0]), np.eye(5)
-    pose, spread = as_belief((state.tolist(), covariance), with_map=True)
-    assert pose.shape == (3,) and spread.shape == (3, 3)
-    with pytest.raises(ValueError, match=r"expected \(3,\) and \(3, 3\)"):
-        as_belief((state, covariance))
-
-
-def test_a_pose_and_an_estimate_are_beliefs_as_they_are():
+def test_a_pose_and_an_estimate_are_beliefs_and_a_map_is_left_out_where_there_may_be_one():
     covariance, nothing = np.diag([0.01, 0.04, 0.02]), np.zeros((0, 2))
     estimate = Estimate(Pose(1.0, 2.0, 0.5), covariance, nothing, nothing)
     for answer in ((estimate.pose, covariance), estimate):
         pose, spread = as_belief(answer)
         assert np.array_equal(pose, [1.0, 2.0, 0.5]) and np.array_equal(spread, covariance)
+    state, covariance = np.append(POSE, [np.nan, 9.0]), np.eye(5)
+    pose, spread = as_belief((state.tolist(), covariance), with_map=True)
+    assert pose.shape == (3,) and spread.shape == (3, 3)
+    with pytest.raises(ValueError, match=r"expected \(3,\) and \(3, 3\)"):
+        as_belief((state, covariance))
 
 
 def test_bits_are_those_of_gaussian_densities_and_one_case_is_not_everything():

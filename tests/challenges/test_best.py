@@ -1,7 +1,5 @@
 """The best score so far: kept in a file that may have become anything."""
 
-from __future__ import annotations
-
 import json
 import os
 
@@ -24,7 +22,9 @@ def test_the_best_is_kept_and_a_worse_one_changes_nothing(file):
     assert [each.name for each in file.path.parent.iterdir()] == ["77_doubling.challenge.json"]
 
 
-def test_of_a_cost_the_smallest_is_the_best(tmp_path):
+def test_of_a_cost_the_smallest_is_the_best_and_the_file_stands_beside_the_notebook(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert BestFile(CHALLENGE).path == tmp_path / "77_doubling.challenge.json"
     file = BestFile(COST, tmp_path)
     for score in (0.5, 0.8, 0.4):
         file.keep(Best(score, 1.0, {}))
@@ -81,11 +81,7 @@ def test_a_file_that_can_neither_be_read_nor_moved_is_never_written_over(file, m
     monkeypatch.setattr(os, "rename", refuse)
     assert "it stays unchanged" in file.keep(Best(0.5, 0.1, {}))
     assert file.path.read_bytes() == b"no json"
-
-
-def test_where_nothing_can_be_written_it_is_said(tmp_path):
-    file = BestFile(CHALLENGE, tmp_path / "nowhere")
-    assert "not be stored" in file.keep(Best(0.5, 0.1, {}))
+    assert "not be stored" in BestFile(CHALLENGE, file.path.parent / "nowhere").keep(Best(0.5, 0.1, {}))
 
 
 def test_a_score_that_was_kept_meanwhile_by_another_notebook_is_not_lost(file):
@@ -94,8 +90,3 @@ def test_a_score_that_was_kept_meanwhile_by_another_notebook_is_not_lost(file):
     other.keep(Best(0.9, 0.1, {}))
     file.keep(Best(0.5, 0.1, {}))
     assert file.read()[0].score == 0.9
-
-
-def test_it_stands_beside_the_notebook(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert BestFile(CHALLENGE).path == tmp_path / "77_doubling.challenge.json"

@@ -1,7 +1,5 @@
 """The board: rows in order, an entry beside them, the best so far."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -19,36 +17,38 @@ def names(table):
     return [row[0] for row in table.rows]
 
 
-def test_a_board_says_task_score_rows_and_that_it_is_not_graded(tmp_path):
-    board = Board(CHALLENGE, tmp_path)
+@pytest.fixture
+def board(tmp_path):
+    return Board(CHALLENGE, tmp_path)
+
+
+def same(numbers):
+    return numbers
+
+
+def test_a_board_says_task_score_rows_and_that_it_is_not_graded(board, tmp_path):
+    words = ("Double what is given.", "one less the mean error", "not graded", "0.75", "worst scene")
     for shown in (repr(board), board._repr_html_()):
-        for words in (
-            "Double what is given.",
-            "one less the mean error",
-            "not graded",
-            "0.75",
-            "worst scene",
-        ):
-            assert words in shown
-        assert "you, best so far" in shown and "enter(my_function)" in shown
+        assert all(each in shown for each in (*words, "you, best so far", "enter(my_function)"))
     assert not list(tmp_path.iterdir())
+    shown = Board(replace(CHALLENGE, task="Find x < 3 & <b>."), tmp_path)._repr_html_()
+    assert "Find x &lt; 3 &amp; &lt;b&gt;." in shown
 
 
-def test_the_best_so_far_takes_its_place_among_the_rows(tmp_path):
-    board = Board(CHALLENGE, tmp_path)
+def test_the_best_so_far_takes_its_place_among_the_rows(board, tmp_path):
     assert names(board.table()) == ["nothing", "the reference", "you, best so far"]
     assert board.table().rows[-1][1] == "-"
-    report = board.enter(lambda numbers: numbers)
+    report = board.enter(same)
     assert report.score == 0.5 and names(board.table()) == ["nothing", "you, best so far", "the reference"]
     assert (
         'It is your first. It is above "nothing" (0.00), better in 2 of 3 scenes; '
         'next is "the reference" (0.75), better in 2 of 3 scenes.'
     ) in repr(report)
-    better = board.enter(double)
-    assert (
-        'That is your best so far; it was 0.50. It is above "the reference" (0.75), better in 2 of'
-        in repr(better)
-    )
+    table = report.table()  # its columns say how the score came about
+    assert table.columns == ("", "score", "worst scene", "off")
+    assert table.rows[1] == ("you, best so far", "0.50", "0.00", "0.5 m")
+    better = repr(board.enter(double))
+    assert 'best so far; it was 0.50. It is above "the reference" (0.75), better in 2 of' in better
     again = board.enter(double)
     assert "as good as your best so far" in repr(again) and "this entry" not in names(again.table())
     worse = board.enter(lambda numbers: 2.75 * numbers)
@@ -57,39 +57,28 @@ def test_the_best_so_far_takes_its_place_among_the_rows(tmp_path):
     assert Board(CHALLENGE, tmp_path).table().rows[-1][:3] == ("you, best so far", "1.00", "1.00")
 
 
-def test_a_score_that_is_shown_as_another_is_level_with_it(tmp_path):
-    report = Board(CHALLENGE, tmp_path).enter(lambda numbers: 2.5001 * numbers)
+def test_a_score_that_is_shown_as_another_is_level_with_it(board):
+    report = board.enter(lambda numbers: 2.5001 * numbers)
     assert report.score == pytest.approx(0.74995)
-    assert (
-        'It is above "nothing" (0.00), better in 3 of 3 scenes; it is level with "the reference" (0.75).'
-        in repr(report)
-    )
+    assert 'better in 3 of 3 scenes; it is level with "the reference" (0.75).' in repr(report)
 
 
-def test_a_score_that_is_better_in_half_of_the_cases_may_be_chance(tmp_path):
+def test_a_score_that_is_better_in_half_of_the_cases_may_be_chance(board):
     """A trial's entry of 3.05 m was called above one of 3.07 m, "better in 10 of 20 drives"."""
-    report = Board(CHALLENGE, tmp_path).enter(lambda numbers: numbers)
-    run, row = report.run, CHALLENGE.rows[0]
-    cases = [each.score for each in run.results]
-    tied = replace(row, cases=(cases[0] - 1.0, *(each + 1.0 for each in cases[1:])))
+    run = board.enter(same).run
+    first, *others = (each.score for each in run.results)
+    tied = replace(CHALLENGE.rows[0], cases=(first - 1.0, *(each + 1.0 for each in others)))
     assert _better_in(run, tied, 1) == ", but better in 1 of 3 scenes: this difference may be chance"
     assert _better_in(run, tied, -1) == ", better in 2 of 3 scenes"
 
 
 def test_a_cost_is_better_the_smaller_it_is_and_has_a_unit(tmp_path):
     board = Board(COST, tmp_path)
-    assert 'next is "the reference" (0.25 m).' in repr(board.enter(lambda numbers: numbers))
+    assert 'next is "the reference" (0.25 m).' in repr(board.enter(same))
     assert names(board.table()) == ["nothing", "you, best so far", "the reference"]
 
 
-def test_the_columns_say_what_was_honest_about_a_score(tmp_path):
-    table = Board(CHALLENGE, tmp_path).enter(lambda numbers: numbers).table()
-    assert table.columns == ("", "score", "worst scene", "off")
-    assert table.rows[1] == ("you, best so far", "0.50", "0.00", "0.5 m")
-
-
-def test_an_entry_that_is_interrupted_leaves_the_best_as_it_was(tmp_path):
-    board = Board(CHALLENGE, tmp_path)
+def test_an_entry_that_is_interrupted_leaves_the_best_as_it_was(board, tmp_path):
     board.enter(double)
     kept = (tmp_path / f"77_doubling{SUFFIX}").read_bytes()
 
@@ -124,29 +113,19 @@ def test_the_report_shows_the_figure_and_what_entries_say_is_text(tmp_path):
     assert "0.0 drawn" in repr(report)
 
 
-def test_an_entry_without_any_answer_is_no_first_best(tmp_path):
-    board = Board(CHALLENGE, tmp_path)
+def test_an_entry_without_any_answer_is_no_first_best(board, tmp_path):
     report = board.enter(lambda numbers: None)
-    assert (
-        list(tmp_path.iterdir()) == [] and np.isnan(report.score) and "It is your first" not in repr(report)
-    )
-    assert "Stopped after 2 of 3 scenes, without a score" in repr(report) and "must return shape" in repr(
-        report
-    )
+    assert list(tmp_path.iterdir()) == [] and np.isnan(report.score)
+    assert "It is your first" not in repr(report) and "must return shape" in repr(report)
+    assert "Stopped after 2 of 3 scenes, without a score" in repr(report)
     board.enter(double)
     assert "Your best so far stays 1.00." in repr(board.enter(lambda numbers: None))
 
 
-def test_the_words_of_a_challenge_are_text_on_a_page(tmp_path):
-    shown = Board(replace(CHALLENGE, task="Find x < 3 & <b>."), tmp_path)._repr_html_()
-    assert "Find x &lt; 3 &amp; &lt;b&gt;." in shown
-
-
-def test_an_example_is_what_an_entry_is_given_and_a_copy(tmp_path):
-    board = Board(CHALLENGE, tmp_path)
-    first = board.example(3)
-    assert first.tolist() == [0.0, 1.0, 2.0]
-    first[:] = 7
-    assert board.example(3).tolist() == [0.0, 1.0, 2.0]
+def test_an_example_is_what_an_entry_is_given_and_a_copy(board):
+    for _ in range(2):
+        example = board.example(3)
+        assert example.tolist() == [0.0, 1.0, 2.0]
+        example[:] = 7
     with pytest.raises(ValueError, match="from 1 to 3, got 0"):
         board.example(0)

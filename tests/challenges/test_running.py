@@ -1,7 +1,5 @@
 """Whatever an entry does, each case has a score or a sentence."""
 
-from __future__ import annotations
-
 import threading
 import time
 from dataclasses import replace
@@ -39,17 +37,29 @@ def raises(error):
     return entry
 
 
+def seeds(last, **more):
+    """Return the challenge with as many cases."""
+    return replace(CHALLENGE, seeds=tuple(range(1, last + 1)), **more)
+
+
+def same(numbers):
+    return numbers
+
+
+def scores(came):
+    return [each.score for each in came.results]
+
+
 def test_an_entry_has_the_mean_of_its_cases_and_of_their_columns():
     came = run(CHALLENGE, double)
     assert came.complete and came.score == 1.0 and came.columns == {"off": 0.0} and came.problems() == []
-    came = run(CHALLENGE, lambda numbers: numbers)
+    came = run(CHALLENGE, same)
     assert came.score == pytest.approx(np.mean([1.0, 0.5, 0.0])) and came.worst.name == "case 3"
     assert came.columns["off"] == pytest.approx(0.5)
-
-
-def test_the_worst_case_of_a_cost_is_the_largest():
-    came = run(COST, lambda numbers: numbers)
+    came = run(COST, same)  # whose worst case is the largest
     assert came.worst.name == "case 3" and came.score == pytest.approx(0.5)
+    came = run(COST, lambda numbers: None if len(numbers) == 2 else numbers)
+    assert scores(came)[1] == COST.nothing == 9.0 and came.complete
 
 
 @pytest.mark.parametrize(
@@ -66,43 +76,26 @@ def test_the_worst_case_of_a_cost_is_the_largest():
     ],
 )
 def test_an_answer_that_cannot_be_used_scores_as_nothing_and_the_sentence_says_why(entry, said):
-    came = run(replace(CHALLENGE, seeds=(1,)), entry)
+    came = run(seeds(1), entry)
     words = " ".join([came.stopped, *came.problems()]).replace("Not written", "not written")
     assert said in words and came.stopped and not came.complete
 
 
-def test_what_cannot_be_used_costs_what_nothing_does():
-    came = run(COST, lambda numbers: None if len(numbers) == 2 else numbers)
-    assert [each.score for each in came.results][1] == 9.0 and came.complete
-
-
 def test_an_entry_that_fails_twice_in_the_same_way_and_never_answered_is_given_up_without_a_score():
-    many = replace(CHALLENGE, seeds=tuple(range(1, 31)))
     asked = []
 
     def wrong_shape(numbers):
         asked.append(len(numbers))
         return np.zeros(len(numbers) + 3)
 
-    came = run(many, wrong_shape)
+    came = run(seeds(30), wrong_shape)
     assert len(asked) == 2 and not came.complete and np.isnan(came.score)
-    assert came.stopped.startswith(
-        "Stopped after 2 of 30 scenes, without a score: no scene had a usable answer"
-    )
+    assert came.stopped.startswith("Stopped after 2 of 30 scenes, without a score: no scene had a usable")
     assert len(came.problems()) == 2 and "must return shape" in came.problems()[0]
-
-
-def test_two_errors_of_different_kinds_are_both_said_before_it_is_given_up():
-    def entry(numbers):
-        return None if len(numbers) % 2 else {}["white"]
-
-    came = run(replace(CHALLENGE, seeds=tuple(range(1, 31))), entry)
+    came = run(seeds(30), lambda numbers: None if len(numbers) % 2 else {}["white"])  # two kinds of errors
     assert len(came.results) == 3 and not came.complete
     assert "must return shape" in came.problems()[0] and "KeyError" in came.problems()[1]
-
-
-def test_an_entry_that_answered_once_goes_on_whatever_fails_later():
-    came = run(replace(CHALLENGE, seeds=tuple(range(1, 9))), lambda n: double(n) if len(n) == 1 else None)
+    came = run(seeds(8), lambda numbers: double(numbers) if len(numbers) == 1 else None)  # it answered once
     assert came.complete and len(came.results) == 8 and came.score == pytest.approx(1 / 8)
 
 
@@ -112,7 +105,7 @@ def test_a_function_that_changes_what_it_is_given_scores_nothing_and_spoils_no_s
         return numbers
 
     came = run(CHALLENGE, entry)
-    assert [each.score for each in came.results] == [1.0, 0.0, 0.0]  # twice 0 is 0
+    assert scores(came) == [1.0, 0.0, 0.0]  # twice 0 is 0
     assert "work on a copy" in came.problems()[0]
     assert run(CHALLENGE, double).score == 1.0
 
@@ -124,53 +117,41 @@ def test_a_score_that_is_no_number_is_nothing():
 
 
 def test_an_entry_that_is_late_again_and_again_is_given_up_and_says_why():
-    def endless(numbers):
-        while True:
-            pass
-
-    came = run(replace(CHALLENGE, seeds=tuple(range(1, 31)), seconds=0.2, seconds_in_all=100.0), endless)
+    came = run(seeds(30, seconds=0.2, seconds_in_all=100.0), forever)
     assert len(came.results) == MOST_LATE and not came.complete
     assert came.stopped.startswith(f"Stopped after {MOST_LATE} of 30 scenes, without a score: Time is up")
 
 
 def test_the_time_for_all_cases_is_limited_too():
-    hurried = replace(CHALLENGE, seeds=tuple(range(1, 40)), seconds=10.0, seconds_in_all=0.2)
+    hurried = seeds(39, seconds=10.0, seconds_in_all=0.2)
     came = run(hurried, lambda numbers: time.sleep(0.15) or double(numbers))
-    assert came.complete and came.results[0].score == 1.0 and came.results[-1].score == 0.0
+    assert came.complete and scores(came)[0] == 1.0 and scores(came)[-1] == 0.0
     assert "The 0.2 s for all cases are used up." in " ".join(came.problems())
 
 
 def test_a_case_that_takes_too_long_leaves_the_others_their_time():
     patient = replace(CHALLENGE, seconds=0.1, seconds_in_all=30.0)
     came = run(patient, lambda numbers: forever(numbers) if len(numbers) == 2 else double(numbers))
-    assert [each.score for each in came.results] == [1.0, 0.0, 1.0]
+    assert scores(came) == [1.0, 0.0, 1.0]
     assert "after 0.1 s" in came.problems()[0]
 
 
 def test_an_endless_entry_ends_in_another_thread_too():
     came = []
-    thread = threading.Thread(
-        target=lambda: came.append(run(replace(CHALLENGE, seeds=(1,)), forever)), daemon=True
-    )
+    thread = threading.Thread(target=lambda: came.append(run(seeds(1), forever)), daemon=True)
     thread.start()
     thread.join(60)
-    assert came and came[0].results[0].score == 0.0 and "Time is up" in came[0].problems()[0]
+    assert came and scores(came[0]) == [0.0] and "Time is up" in came[0].problems()[0]
 
 
-def test_an_interrupted_entry_has_no_score():
-    calls = []
-
+def test_an_interrupted_entry_has_no_score_and_a_blank_exercise_stops_one_at_once():
     def entry(numbers):
-        calls.append(1)
-        if len(calls) == 2:
+        if len(numbers) == 2:
             raise KeyboardInterrupt
         return double(numbers)
 
     came = run(CHALLENGE, entry)
     assert not came.complete and np.isnan(came.score) and "after 1 of 3 scenes" in came.stopped
-
-
-def test_a_blank_exercise_stops_an_entry_at_once():
     came = run(CHALLENGE, raises(NotImplementedError()))
     assert came.results == () and came.stopped.startswith("Not written yet")
 
@@ -178,8 +159,7 @@ def test_a_blank_exercise_stops_an_entry_at_once():
 def test_what_is_no_function_is_refused_unless_values_are_taken():
     assert "without brackets" in run(CHALLENGE, np.zeros(3)).stopped
     assert "The entry is None" in run(replace(CHALLENGE, takes_values=True), None).stopped
-    one = replace(CHALLENGE, seeds=(1,), takes_values=True)
-    assert run(one, [0.0]).score == 1.0
+    assert run(seeds(1, takes_values=True), [0.0]).score == 1.0
 
 
 def test_an_entry_prints_nowhere(capsys):
@@ -190,9 +170,8 @@ def test_an_entry_prints_nowhere(capsys):
 def test_an_entry_is_given_no_part_of_the_scene_that_is_not_meant_for_it():
     scene = {"seen": np.ones(2), "truth": np.zeros(2)}
     seen = []
-    secret = replace(
-        CHALLENGE,
-        seeds=(1,),
+    secret = seeds(
+        1,
         make=lambda seed: scene,
         given=lambda scene: (scene["seen"],),
         judge=lambda answer, scene: CaseScore(1.0),
@@ -206,6 +185,5 @@ def test_scenes_are_made_when_they_are_needed_and_once():
     made = []
     lazy = replace(CHALLENGE, make=lambda seed: made.append(seed) or np.arange(float(seed)))
     assert made == []
-    run(lazy, double)
-    run(lazy, double)
+    assert run(lazy, double).complete and run(lazy, double).complete
     assert made == [1, 2, 3]

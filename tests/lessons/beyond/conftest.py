@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from nao_course.instructor.authoring.plans import load_solution
-from tests.paths import SOLUTIONS
+from tests.lessons import every
 
 
 class Still:
@@ -19,16 +18,21 @@ class Still:
 
 @pytest.fixture(scope="session")
 def own():
-    return load_solution(SOLUTIONS / "12_beyond.ipynb")
+    return every.own("12")
 
 
 @pytest.fixture(scope="session")
 def ekf():
     """Return lesson 07's predict, update_landmarks and add_landmark."""
-    seven = load_solution(SOLUTIONS / "07_ekf_slam.ipynb")
-    return tuple(seven[name] for name in ("predict", "update_landmarks", "add_landmark"))
+    return tuple(every.own("07")[name] for name in ("predict", "update_landmarks", "add_landmark"))
 
 
 @pytest.fixture
 def still():
     return Still()
+
+
+@pytest.fixture(scope="session")
+def cameras(own):
+    """Return the functions that measure a distance with two cameras and with one."""
+    return own["intersect_rays"], every.own("04")["pixel_to_ground"]

@@ -10,25 +10,24 @@ from nao_course.lessons.beyond.challenge import AREA, LEAST, Robot, judge, make_
 
 def test_a_landmark_counts_the_bits_by_which_it_is_denser_than_a_uniform_density():
     case, sigma = make_case(3), 0.05
-    state = np.append(np.zeros(3), case.landmarks[4])
-    scored = judge(([4], state, np.eye(5) * sigma**2), case)
+    scored = judge(([4], np.append(np.zeros(3), case.landmarks[4]), np.eye(5) * sigma**2), case)
     assert scored.score == pytest.approx(np.log2(AREA / (2 * np.pi * (sigma**2 + LEAST))), abs=1e-6)
     assert scored.columns["found"] == 1 and scored.columns["NEES a coordinate"] == 0
 
 
-def test_to_be_sure_of_wrong_places_costs_more_than_not_to_look():
+def scored(off, sigma):
+    """Return the score of a map of ten landmarks that are off by this, with a standard deviation."""
     case = make_case(3)
-    state = np.append(np.zeros(3), (case.landmarks + (0.3, 0.0)).ravel())
-    scored = judge((range(10), state, np.eye(23) * 0.02**2), case)
-    assert scored.score == DEEPEST
-    assert scored.columns["NEES a coordinate"] == pytest.approx(112.5, rel=0.01)
+    state = np.append(np.zeros(3), (case.landmarks + off).ravel())
+    return judge((range(10), state, np.eye(23) * sigma**2), case)
 
 
-def test_the_true_covariance_scores_best():
-    case, rng = make_case(3), np.random.default_rng(0)
-    state = np.append(np.zeros(3), (case.landmarks + rng.normal(0, 0.1, (10, 2))).ravel())
-    scores = [judge((range(10), state, np.eye(23) * sigma**2), case).score for sigma in (0.03, 0.1, 0.3)]
-    assert scores[1] > max(scores[0], scores[2])
+def test_to_be_sure_of_wrong_places_costs_more_than_not_to_look_and_the_true_covariance_scores_best():
+    sure = scored((0.3, 0.0), 0.02)
+    assert sure.score == DEEPEST and sure.columns["NEES a coordinate"] == pytest.approx(112.5, rel=0.01)
+    off = np.random.default_rng(0).normal(0, 0.1, (10, 2))
+    scores = [scored(off, sigma).score for sigma in (0.1, 0.03, 0.3)]
+    assert scores[0] == max(scores)
 
 
 def test_the_errors_of_a_look_and_of_the_next_move_are_independent():
@@ -43,20 +42,16 @@ def test_the_errors_of_a_look_and_of_the_next_move_are_independent():
     assert np.abs(between).max() < 0.5  # about 0.13 is the standard deviation by chance
 
 
-def test_a_robot_makes_twenty_moves_and_no_wild_ones():
+def test_a_robot_makes_twenty_moves_and_no_wild_ones_and_stays_on_the_carpet():
     robot = make_case(5).robot
     for wrong in ((0.4, 0.0), (0.1, 4.0), (np.nan, 0.0), 0.2, (0.1, 0.1, 0.1)):
         with pytest.raises(ValueError, match="a move is"):
             robot.move(wrong)
-    assert robot.moves_left == 20
-    for _ in range(20):
+    for left in range(20, 0, -1):
+        assert robot.moves_left == left
         robot.move((0.0, 0.3))
-    assert robot.moves_left == 0
     with pytest.raises(ValueError, match="all 20 moves"):
         robot.move((0.0, 0.3))
-
-
-def test_leaving_the_carpet_raises_an_error():
     robot = make_case(5).robot
     for _ in range(10):  # 3 m, past the goal line
         robot.move((0.3, 0.0))

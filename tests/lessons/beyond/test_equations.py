@@ -5,7 +5,6 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from nao_course.geometry import wrap_angle
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.beyond.planning import options
 from nao_course.lessons.beyond.two_cameras import (
     OFF_AXIS,
@@ -17,7 +16,6 @@ from nao_course.lessons.beyond.two_cameras import (
 from nao_course.lessons.beyond.worlds import LANDMARKS
 from nao_course.sim import NAO_V4
 from nao_course.slam import range_and_bearing
-from tests.paths import SOLUTIONS
 
 
 def covariance(rng, size, scale):
@@ -29,6 +27,13 @@ def innovation(measurement, pose, landmark):
     nu = measurement - range_and_bearing(pose, landmark)
     nu[0] = wrap_angle(nu[0])
     return nu
+
+
+def seen_landmark(rng, sigma):
+    """Return a particle's pose, its landmark with a covariance, and a measurement with its covariance."""
+    pose = np.append(rng.uniform(0, 3, 2), rng.uniform(-np.pi, np.pi))
+    mean, P, R = pose[:2] + rng.uniform(0.7, 2, 2), covariance(rng, 2, 0.1), covariance(rng, 2, 0.1)
+    return pose, mean, P, range_and_bearing(pose, mean) + rng.normal(0, sigma, 2), R
 
 
 @pytest.mark.asserts("eq-12-1")
@@ -54,19 +59,17 @@ def test_a_particles_weight_is_the_density_of_the_innovation(own, rng):
 
 
 @pytest.mark.asserts("eq-12-3", "eq-12-4")
-def test_a_particles_landmark_is_corrected_as_one_kalman_filter_of_two_numbers(own, rng):
+def test_a_particles_landmark_is_corrected_as_one_kalman_filter_of_two_numbers_and_as_lesson_07_does(
+    own, ekf, rng
+):
     for _ in range(20):
-        pose = np.append(rng.uniform(0, 3, 2), rng.uniform(-np.pi, np.pi))
-        mean, P, R = pose[:2] + rng.uniform(0.7, 2, 2), covariance(rng, 2, 0.1), covariance(rng, 2, 0.1)
-        z = range_and_bearing(pose, mean) + rng.normal(0, 0.1, 2)
+        pose, mean, P, z, R = seen_landmark(rng, 0.1)
         nu = innovation(z, pose, mean)
         # The numerical Jacobian of the innovation is minus the Jacobian of the expected measurement.
-        step = 1e-6
-        H = -np.column_stack(
-            [
-                (innovation(z, pose, mean + e) - innovation(z, pose, mean - e)) / (2 * step)
-                for e in step * np.eye(2)
-            ]
+        steps = 1e-6 * np.eye(2)
+        H = (
+            np.transpose([innovation(z, pose, mean - e) - innovation(z, pose, mean + e) for e in steps])
+            / 2e-6
         )
         S = H @ P @ H.T + R
         K = P @ H.T @ np.linalg.inv(S)
@@ -74,18 +77,9 @@ def test_a_particles_landmark_is_corrected_as_one_kalman_filter_of_two_numbers(o
         assert np.allclose(moved, mean + K @ nu, atol=1e-6)
         assert np.allclose(left, P - K @ H @ P, atol=1e-6)
         assert np.isclose(log_weight, multivariate_normal(np.zeros(2), S).logpdf(nu), atol=1e-6)
-
-
-def test_a_particle_corrects_its_landmark_as_lesson_07_does_where_the_pose_is_certain(own, ekf, rng):
-    _, update_landmarks, _ = ekf
-    for _ in range(10):
-        pose = np.append(rng.uniform(0, 3, 2), rng.uniform(-np.pi, np.pi))
-        mean, P, R = pose[:2] + rng.uniform(0.7, 2, 2), covariance(rng, 2, 0.1), covariance(rng, 2, 0.1)
-        z = range_and_bearing(pose, mean) + rng.normal(0, 0.05, 2)
-        whole = np.zeros((5, 5))
+        whole = np.zeros((5, 5))  # the pose is certain
         whole[3:, 3:] = P
-        state, after = update_landmarks(np.append(pose, mean), whole, [0], z, R[None])
-        moved, left, _ = own["update_particle_landmark"](pose, mean, P, z, R)
+        state, after = ekf[1](np.append(pose, mean), whole, [0], z, R[None])
         assert np.allclose(state, np.append(pose, moved)) and np.allclose(after[3:, 3:], left)
         assert np.allclose(after[:3], 0)
 
@@ -109,15 +103,13 @@ def test_the_shortest_way_between_two_rays_is_at_right_angles_to_both(own, rng):
 
 
 @pytest.mark.asserts("eq-12-6")
-def test_both_cameras_scatter_as_a_pixels_angle_and_the_baseline_say(own):
-    pixel_to_ground = load_solution(SOLUTIONS / "04_distance.ipynb")["pixel_to_ground"]
+def test_both_cameras_scatter_as_a_pixels_angle_and_the_baseline_say(cameras):
     distance, size = 2.0, (640, 480)
     top, bottom = (NAO_V4.view(camera, 0.0, pitch_for(distance), size=size) for camera in ("top", "bottom"))
     angle = PIXEL_SIGMA / bottom.focal[1] * np.cos(OFF_AXIS) ** 2
     both = distance**2 / np.linalg.norm(top.position - bottom.position) * np.sqrt(2) * angle
     assert np.isclose(expected_sigmas(distance, size[0])[1], both)
-    distances = measure_again(own["intersect_rays"], pixel_to_ground, distance, size, count=200)
-    assert distances.sigmas[1] == pytest.approx(both, rel=0.15)
+    assert measure_again(*cameras, distance, size, count=200).sigmas[1] == pytest.approx(both, rel=0.15)
 
 
 @pytest.mark.asserts("eq-12-7")
@@ -128,11 +120,9 @@ def test_the_move_is_chosen_whose_position_has_the_least_variances(own, ekf, rng
         state = np.concatenate([pose, LANDMARKS[:4].ravel()])
         P = covariance(rng, len(state), 0.05)
         offered, sums = options(state), []
-        for option in offered:
-            after = predict(state, P, option.control, option.control_covariance, 4)
-            if option.indices:
-                after = update_landmarks(
-                    *after, option.indices, option.measurements, option.measurement_covariance
-                )
-            sums.append(after[1][0, 0] + after[1][1, 1])
+        for each in offered:
+            after = predict(state, P, each.control, each.control_covariance, 4)
+            if each.indices:
+                after = update_landmarks(*after, each.indices, each.measurements, each.measurement_covariance)
+            sums.append(np.trace(after[1][:2, :2]))
         assert own["choose_move"](state, P, offered) == int(np.argmin(sums))

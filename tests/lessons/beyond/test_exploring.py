@@ -27,24 +27,20 @@ from nao_course.lessons.beyond.exploring import (
 )
 
 
-def test_each_cells_centre_lies_in_it():
+def test_the_visible_area_is_marked_correctly_and_ends_at_a_box():
     centres = cell_centres()
     for row, column in ((0, 0), (10, 3), (SHAPE[0] - 1, SHAPE[1] - 1)):
         assert cell_of(centres[row, column]) == (row, column)
-
-
-def test_the_visible_area_is_marked_correctly_and_ends_at_a_box():
     for seed in range(3):
         taken = room_of_boxes(seed)
         grid = np.full(SHAPE, UNKNOWN)
         mark_visible(grid, taken, np.array(START), np.linspace(-3, 3, 7))
         assert not taken[grid == FREE].any() and taken[grid == OCCUPIED].all()
         assert (grid != UNKNOWN).sum() > 50
-    wall = np.zeros(SHAPE, dtype=bool)
-    wall[:, cell_of(np.array(START))[1] + 5] = True
-    grid = np.full(SHAPE, UNKNOWN)
+    wall, grid, column = np.zeros(SHAPE, dtype=bool), np.full(SHAPE, UNKNOWN), cell_of(np.array(START))[1]
+    wall[:, column + 5] = True
     mark_visible(grid, wall, np.array(START), 0.0)
-    assert (grid[:, cell_of(np.array(START))[1] + 6 :] == UNKNOWN).all()
+    assert (grid[:, column + 6 :] == UNKNOWN).all()
 
 
 def test_the_robot_keeps_a_cell_away_from_boxes():
@@ -56,10 +52,16 @@ def test_the_robot_keeps_a_cell_away_from_boxes():
     assert not passable(grid)[0, 0] and passable(grid)[0, 1]
 
 
-def test_a_way_back_is_as_long_as_its_steps_say(own, rng):
-    free = rng.random((12, 15)) > 0.25
+def test_steps_of_neighbours_differ_by_one_at_most_and_a_way_back_is_as_long_as_they_say(own, rng):
+    free = rng.random((20, 20)) > 0.3
     free[6, 7] = True
     steps = own["travel_steps"](free, (6, 7))
+    assert (steps[~free] == -1).all() and steps[6, 7] == 0
+    for one, other in ((steps[1:], steps[:-1]), (steps[:, 1:], steps[:, :-1])):
+        both = (one >= 0) & (other >= 0)
+        assert (np.abs(one - other)[both] == 1).all()  # colours of a chessboard: never the same
+        beside = (one >= 0) != (other >= 0)
+        assert not (np.minimum(one, other)[beside] >= 0).any()
     goals = [(int(row), int(column)) for row, column in np.argwhere(steps >= 0)]
     for goal in goals[:: max(1, len(goals) // 15)]:
         way = way_back(steps, goal)
@@ -67,25 +69,12 @@ def test_a_way_back_is_as_long_as_its_steps_say(own, rng):
         assert np.abs(np.diff(way, axis=0)).sum() == len(way) - 1 and all(free[cell] for cell in way)
 
 
-def test_steps_of_neighbours_differ_by_one_at_most(own, rng):
-    free = rng.random((20, 20)) > 0.3
-    free[3, 4] = True
-    steps = own["travel_steps"](free, (3, 4))
-    assert (steps[~free] == -1).all() and steps[3, 4] == 0
-    for one, other in ((steps[1:], steps[:-1]), (steps[:, 1:], steps[:, :-1])):
-        both = (one >= 0) & (other >= 0)
-        assert (np.abs(one - other)[both] == 1).all()  # colours of a chessboard: never the same
-        beside = (one >= 0) != (other >= 0)
-        assert not (np.minimum(one, other)[beside] >= 0).any()
-
-
 def test_frontiers_are_free_and_vanish_where_all_is_known(own, rng):
     grid = rng.integers(-1, 2, (15, 12))
     ends = own["find_frontiers"](grid)
     assert (grid[ends] == FREE).all()
     assert not own["find_frontiers"](np.abs(grid)).any()
-    turned = own["find_frontiers"](np.rot90(grid))
-    assert (turned == np.rot90(ends)).all()
+    assert (own["find_frontiers"](np.rot90(grid)) == np.rot90(ends)).all()
 
 
 @pytest.mark.parametrize("way", ["frontier", "random", "lanes"])
@@ -120,44 +109,27 @@ def lawn_mowers_goals(reachable, moves):
     return goals
 
 
-def test_a_lawn_mower_goes_to_the_ends_of_its_lanes_in_turn():
-    goals = lawn_mowers_goals(np.ones(SHAPE, dtype=bool), moves=True)
+def test_a_lawn_mower_goes_to_the_ends_of_its_lanes_in_turn_as_near_as_it_can_for_fifteen_moves():
+    everywhere, near = np.ones(SHAPE, dtype=bool), np.zeros(SHAPE, dtype=bool)
+    goals = lawn_mowers_goals(everywhere, moves=True)
     rows, columns = np.transpose(goals)
     assert len(goals) == 8 and (np.diff(columns) >= 0).all()
     assert (rows == np.tile([rows.min(), rows.max(), rows.max(), rows.min()], 2)).all()
     assert rows.min() < 5 and rows.max() >= SHAPE[0] - 5
-
-
-def test_a_lawn_mower_goes_as_near_to_an_end_as_it_can():
-    near = np.zeros(SHAPE, dtype=bool)
     near[10:20] = True
     assert {row for row, _ in lawn_mowers_goals(near, moves=True)} == {10, 19}
-
-
-def test_a_lawn_mower_gives_an_end_up_after_fifteen_moves_without_arriving():
-    goals = lawn_mowers_goals(np.ones(SHAPE, dtype=bool), moves=False)
+    goals = lawn_mowers_goals(everywhere, moves=False)
     assert [goals.count(each) for each in dict.fromkeys(goals)] == [15] * 8
 
 
-@pytest.mark.parametrize("answer", [np.zeros((2, 2)), np.zeros((3, 2), bool), [[2, 0], [0, 0]], None, "x"])
-def test_what_is_no_mask_of_the_grid_is_refused(answer):
-    with pytest.raises(ValueError, match=r"boolean mask \(2, 2\)"):
-        as_mask(answer, (2, 2))
-
-
-def test_a_mask_may_be_lists_or_zeros_and_ones():
+def test_masks_and_steps_may_be_lists_and_other_kinds_of_numbers_and_what_is_none_is_refused():
     assert as_mask([[True, False], [False, False]], (2, 2)).tolist() == [[True, False], [False, False]]
     assert as_mask(np.eye(2, dtype=int), (2, 2)).dtype == bool
-
-
-@pytest.mark.parametrize(
-    "answer", [np.full((2, 2), 0.5), np.zeros((3, 2), int), np.full((2, 2), np.nan), None]
-)
-def test_what_are_no_steps_is_refused(answer):
-    with pytest.raises(ValueError, match=r"whole numbers \(2, 2\)"):
-        as_steps(answer, (2, 2))
-
-
-def test_steps_may_be_lists_or_floats_without_a_fraction():
     assert as_steps(np.array([[0.0, -1.0], [1.0, 2.0]]), (2, 2)).dtype.kind == "i"
     assert as_steps([[0, -1], [1, 2]], (2, 2)).sum() == 2
+    for answer in (np.zeros((2, 2)), np.zeros((3, 2), bool), [[2, 0], [0, 0]], None, "x"):
+        with pytest.raises(ValueError, match=r"boolean mask \(2, 2\)"):
+            as_mask(answer, (2, 2))
+    for answer in (np.full((2, 2), 0.5), np.zeros((3, 2), int), np.full((2, 2), np.nan), None):
+        with pytest.raises(ValueError, match=r"whole numbers \(2, 2\)"):
+            as_steps(answer, (2, 2))

@@ -2,16 +2,9 @@
 
 import pytest
 
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.beyond import ExplorePanel, MovesPanel, TwoCamerasPanel, planning
 from nao_course.lessons.beyond.panels import MOVES
 from nao_course.lessons.beyond.worlds import LANDMARKS
-from tests.paths import SOLUTIONS
-
-
-@pytest.fixture(scope="module")
-def pixel_to_ground():
-    return load_solution(SOLUTIONS / "04_distance.ipynb")["pixel_to_ground"]
 
 
 def sigmas(panel):
@@ -23,24 +16,19 @@ def known(panel):
     return float(panel.summary().partition(" moves ")[2].partition("%")[0])
 
 
-def test_more_pixels_help_both_cameras_and_not_one(own, pixel_to_ground):
-    panel = TwoCamerasPanel(own["intersect_rays"], pixel_to_ground)
+def test_more_pixels_help_both_cameras_and_without_tilt_one_is_better(cameras):
+    panel = TwoCamerasPanel(*cameras)
     one, both = sigmas(panel)
-    panel.set(width=1280)
-    assert sigmas(panel)[0] == pytest.approx(one, rel=0.1)
-    assert sigmas(panel)[1] == pytest.approx(both / 4, rel=0.15)
-
-
-def test_without_tilt_one_camera_is_better(own, pixel_to_ground):
-    panel = TwoCamerasPanel(own["intersect_rays"], pixel_to_ground)
-    _, both = sigmas(panel)
     panel.set(tilt=0.0)
     still, still_both = sigmas(panel)
     assert still < 0.02 and still_both == pytest.approx(both, rel=0.2)
+    panel.reset()
+    panel.set(width=1280)
+    assert sigmas(panel) == (pytest.approx(one, rel=0.1), pytest.approx(both / 4, rel=0.15))
 
 
-def test_a_point_that_is_not_in_both_pictures_is_said_to_be_so(own, pixel_to_ground):
-    panel = TwoCamerasPanel(own["intersect_rays"], pixel_to_ground)
+def test_a_point_that_is_not_in_both_pictures_is_said_to_be_so(cameras):
+    panel = TwoCamerasPanel(*cameras)
     panel.set(distance=3.0, pitch=20.0)
     assert "both pictures" in panel.summary() and "not see" in panel.summary()
     assert "nan" not in panel.summary()
@@ -61,16 +49,11 @@ def test_the_known_part_grows_while_it_plays_and_the_frontiers_end(own):
 def test_a_function_that_was_mended_explores_anew(own):
     """What was driven by the old function is not shown as the new one's."""
     panel = ExplorePanel(own["find_frontiers"], own["travel_steps"])
+    other = ExplorePanel(lambda grid: grid == 5, own["travel_steps"])
     panel.set(move=40)
-    right = known(panel)
-
-    def nowhere(grid):
-        return grid == 5
-
-    other = ExplorePanel(nowhere, own["travel_steps"])
     other._explored = panel._explored
     other.set(move=40)
-    assert known(other) < right - 20 and "with 0 frontier cells" in other.summary()
+    assert known(other) < known(panel) - 20 and "with 0 frontier cells" in other.summary()
 
 
 def test_a_drive_is_the_one_of_the_lessons_table_and_another_rule_drives_elsewhere(own, ekf):
@@ -79,10 +62,8 @@ def test_a_drive_is_the_one_of_the_lessons_table_and_another_rule_drives_elsewhe
     contents, drive = panel.world.contents, planning.journey(own["choose_move"], ekf, 3)
     assert contents.truth.as_array() == pytest.approx(drive.truth[-1])
     assert contents.estimate.pose == drive.estimates[-1].pose
-    assert (
-        f"deviation {100 * drive.sigmas[-1]:.0f} cm, off by {100 * drive.errors[-1]:.0f} cm"
-        in panel.summary()
-    )
+    said = f"deviation {100 * drive.sigmas[-1]:.0f} cm, off by {100 * drive.errors[-1]:.0f} cm"
+    assert said in panel.summary()
     assert len(contents.paths["truth"]) == len(contents.paths["ekf"]) == planning.MOVES + 1
     places = {tuple(place) for place in LANDMARKS.round(9).tolist()}
     ends = [tuple(round(value, 9) for value in ray.point[:2]) for ray in contents.rays]

@@ -33,15 +33,12 @@ def comb(teeth):
     return lambda weights, rng: np.searchsorted(np.cumsum(weights), teeth(len(weights), rng))
 
 
-def test_the_lessons_comb_obeys_its_law_whatever_the_weights(own, rng):
+def test_the_lessons_comb_obeys_its_law_whatever_the_weights_and_any_comb_will_do_in_any_order(own, rng):
     for n, peak in ((1, 1.0), (2, 0.3), (7, 1.0), (40, 2.0), (150, 4.0)):
-        weights = normalised(peak * rng.normal(0, 1, n))
-        assert judged(own["resample"], weights) == ""
+        assert judged(own["resample"], normalised(peak * rng.normal(0, 1, n))) == ""
     assert judged(own["resample"], np.array([0.0, 0.0, 1.0])) == ""
     assert judged(own["resample"], np.full(8, 1 / 8)) == ""
 
-
-def test_any_comb_will_do_in_any_order():
     def from_above(weights, rng):
         n, shift = len(weights), rng.uniform(0, 1 / len(weights))
         return rng.permutation(np.searchsorted(np.cumsum(weights), 1 - np.arange(n) / n - shift))
@@ -57,48 +54,29 @@ def test_a_wrong_draw_is_described_by_a_particle_and_its_count():
     assert stratified.endswith("times; systematic resampling allows 1 or 2")
     assert "times on average, not" in judged(comb(lambda n, rng: (np.arange(n) + 0.5) / n))
     assert "times on average, not" in judged(comb(lambda n, rng: (np.arange(n) + rng.random() / 2) / n))
+    other = np.random.default_rng(1)
+    assert "same seed" in judged(comb(lambda n, rng: (np.arange(n) + other.random()) / n))
+    assert systematic((WEIGHTS, SEEDS), {}, [[0, 1, 2]]) == "there are 1 answers to 205 calls"
 
-
-def test_a_particle_that_is_kept_too_often_is_noticed_though_no_particle_is_kept_too_rarely():
-    def two_at_once(weights, rng):
+    def two_at_once(weights, rng):  # too often, and no particle too rarely
         left = 4 * weights - np.floor(4 * weights)
         return [0, 1, *[rng.choice(4, p=left / 2)] * 2]
 
-    told = judged(two_at_once, np.array([0.4, 0.4, 0.1, 0.1]))
-    assert "times; systematic resampling allows" in told and ("3 times;" in told or "2 times;" in told)
+    said = judged(two_at_once, np.array([0.4, 0.4, 0.1, 0.1]))
+    assert "times; systematic resampling allows" in said and ("3 times;" in said or "2 times;" in said)
 
 
-def test_a_generator_of_the_students_own_is_noticed():
-    other = np.random.default_rng(1)
-    assert "same seed" in judged(comb(lambda n, rng: (np.arange(n) + other.random()) / n))
-
-
-@pytest.mark.parametrize(
-    ("answer", "words"),
-    [
+def test_what_are_no_numbers_of_particles_is_refused():
+    for answer, words in (
         ([0, 1], "3 whole numbers"),
         ([0.0, 1.0, 2.0], "whole numbers"),
-        ([-1, 0, 1], "from 0 to 2"),
         ([[0, 1, 2]], "3 whole numbers"),
+        ([-1, 0, 1], "from 0 to 2"),
         ([0, 1, 10**12], "from 0 to 2"),
-    ],
-)
-def test_what_are_no_numbers_of_particles_is_refused(answer, words):
-    with pytest.raises(ValueError, match=words):
-        chosen(answer, 3)
-    assert words in judged(lambda weights, rng: answer)
-
-
-def test_too_few_draws_are_noticed():
-    assert systematic((WEIGHTS, SEEDS), {}, [[0, 1, 2]]) == "there are 1 answers to 205 calls"
-
-
-def test_log_weights_are_as_many_as_particles_and_no_nan():
-    assert log_weights([0, -np.inf], 2).dtype == float
-    with pytest.raises(ValueError, match=r"2 log weights, got shape \(3,\)"):
-        log_weights(np.zeros(3), 2)
-    with pytest.raises(ValueError, match="NaN"):
-        log_weights([0.0, np.nan], 2)
+    ):
+        with pytest.raises(ValueError, match=words):
+            chosen(answer, 3)
+        assert words in judged(lambda weights, rng, answer=answer: answer)
 
 
 def test_weights_sum_to_one_however_small_the_densities_are(rng):
@@ -106,16 +84,18 @@ def test_weights_sum_to_one_however_small_the_densities_are(rng):
     weights = normalised(logs)
     assert np.isclose(weights.sum(), 1) and np.allclose(np.diff(np.log(weights)), np.diff(logs))
     assert effective(np.full(7, 1 / 7)) == pytest.approx(7) and effective(np.array([0, 1.0, 0])) == 1
+    assert log_weights([0, -np.inf], 2).dtype == float
+    for wrong, said in ((np.zeros(3), r"2 log weights, got shape \(3,\)"), ([0.0, np.nan], "NaN")):
+        with pytest.raises(ValueError, match=said):
+            log_weights(wrong, 2)
 
 
 def test_a_landmark_without_a_name_weighs_as_the_mean_of_its_kind(own):
     particles = np.array([[1.5, 0.0, 0.0], [1.0, 0.5, 0.3]])
     seen = range_and_bearing(particles[0], LANDMARKS[KINDS.index("post")])
-    logs = weigh_unnamed(own["weigh"], particles, "post", seen)
+    logs, R = weigh_unnamed(own["weigh"], particles, "post", seen), SENSOR.covariances(seen[None])[0]
     places = LANDMARKS[[kind == "post" for kind in KINDS]]
-    each = [
-        np.exp(own["weigh"](particles, place, seen, SENSOR.covariances(seen[None])[0])) for place in places
-    ]
+    each = [np.exp(own["weigh"](particles, place, seen, R)) for place in places]
     assert np.allclose(np.exp(logs), np.mean(each, axis=0) + 1e-3)
 
 
@@ -143,23 +123,17 @@ def test_without_noise_the_filter_on_named_landmarks_is_exact(ekf, still):
     assert np.linalg.eigvalsh(slam.covariance).min() > -1e-12
 
 
-def test_ancestors_never_come_back(own):
-    slam = FastSlam(START, own["update_particle_landmark"], own["resample"], 10, np.random.default_rng(3))
-    run = run_fast_slam(slam, lap(3, 20))
-    assert (np.diff(run.ancestors) <= 0).all() and run.ancestors[-1] < 10
-    assert run.paths.shape == (10, 22, 3)
-
-
-def test_particles_are_resampled_only_when_too_few_count(own):
+def test_ancestors_never_come_back_and_particles_are_resampled_only_when_too_few_count(own):
     asked = []
 
     def resample(weights, rng):
         asked.append(effective(weights))
         return own["resample"](weights, rng)
 
-    slam = FastSlam(START, own["update_particle_landmark"], resample, 20, np.random.default_rng(3))
-    run_fast_slam(slam, lap(3, 15))
-    assert asked and max(asked) < 10
+    slam = FastSlam(START, own["update_particle_landmark"], resample, 10, np.random.default_rng(3))
+    run = run_fast_slam(slam, lap(3, 20))
+    assert (np.diff(run.ancestors) <= 0).all() and run.ancestors[-1] < 10
+    assert run.paths.shape == (10, 22, 3) and asked and max(asked) < 5
 
 
 def test_the_mean_of_headings_knows_the_turn(still):

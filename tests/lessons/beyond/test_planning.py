@@ -20,7 +20,7 @@ from nao_course.lessons.beyond.planning import (
 )
 from nao_course.lessons.beyond.worlds import AHEAD, LANDMARKS, ODOMETRY, SENSOR
 from nao_course.slam import Motion, range_and_bearing
-from tests.paths import SOLUTIONS
+from tests.lessons.every import text
 
 STATE = np.concatenate([(1.2, -0.3, 0.4), LANDMARKS.ravel()])
 
@@ -38,9 +38,7 @@ def test_an_option_says_what_will_be_seen_where_it_leads_if_nothing_errs():
 
 
 def test_after_each_move_that_is_offered_there_is_room(rng):
-    for pose in np.column_stack(
-        [rng.uniform((0.25, -1.75), (2.75, 1.75), (60, 2)), rng.uniform(-np.pi, np.pi, 60)]
-    ):
+    for pose in rng.uniform((0.25, -1.75, -np.pi), (2.75, 1.75, np.pi), (60, 3)):
         offered = options(pose)
         assert offered
         for option in offered:
@@ -50,24 +48,11 @@ def test_after_each_move_that_is_offered_there_is_room(rng):
             assert len(offered) == 1 or room_ahead(after, STEP) >= ROOM
 
 
-def test_an_option_travels_to_the_grader_as_it_is():
+def test_an_option_travels_to_the_grader_as_it_is_and_one_of_other_shapes_is_refused():
     option = options(STATE)[1]
     back = decode(encode(option))
     assert isinstance(back, Option) and back.indices == option.indices
     assert np.array_equal(back.measurement_covariance, option.measurement_covariance)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("control", np.zeros(3)),
-        ("control_covariance", np.zeros((2, 2))),
-        ("measurements", np.zeros(3)),
-        ("measurement_covariance", np.zeros((2, 2))),
-        ("indices", [0]),
-    ],
-)
-def test_an_option_of_other_shapes_is_refused(name, value):
     good = {
         "control": np.zeros(2),
         "control_covariance": np.zeros((3, 3)),
@@ -76,8 +61,15 @@ def test_an_option_of_other_shapes_is_refused(name, value):
         "measurement_covariance": np.zeros((2, 2, 2)),
     }
     Option(**good)
-    with pytest.raises(ValueError, match="must have shape"):
-        Option(**{**good, name: value})
+    for name, value in (
+        ("control", np.zeros(3)),
+        ("control_covariance", np.zeros((2, 2))),
+        ("measurements", np.zeros(3)),
+        ("measurement_covariance", np.zeros((2, 2))),
+        ("indices", [0]),
+    ):
+        with pytest.raises(ValueError, match="must have shape"):
+            Option(**good | {name: value})
 
 
 def test_a_journey_is_the_same_from_its_seed_and_its_map_holds_what_was_seen(ekf):
@@ -99,13 +91,11 @@ def test_a_journey_begins_with_the_goal_ahead_or_behind(ekf):
             assert ahead < -0.9 if back else ahead > 0.9
 
 
-@pytest.mark.parametrize("answer", [None, 1.0, True, 99])
-def test_what_is_no_number_of_an_option_is_refused_with_a_sentence(ekf, answer):
-    with pytest.raises(ValueError, match="choose_move must return an index from 0 to"):
-        journey(lambda state, covariance, offered: answer, ekf, 0, 1)
+def test_what_is_no_number_of_an_option_is_refused_and_a_choice_changes_nothing_of_what_it_is_given(ekf):
+    for answer in (None, 1.0, True, 99):
+        with pytest.raises(ValueError, match="choose_move must return an index from 0 to"):
+            journey(lambda state, covariance, offered, answer=answer: answer, ekf, 0, 1)
 
-
-def test_a_choice_may_change_what_it_is_given_and_changes_nothing(ekf):
     def spoil(state, covariance, offered):
         state[:], covariance[:] = 0, 0
         return 0
@@ -122,13 +112,12 @@ def test_plans_that_know_nothing_turn_as_they_say():
 
 
 def test_the_text_says_what_drive_0_and_the_path_along_the_edge_look_like(own, ekf):
-    text = (SOLUTIONS / "12_beyond.md").read_text(encoding="utf-8")
     sigmas = 100 * journey(own["choose_move"], ekf, 0).sigmas
-    assert f"in drive 0 to {sigmas[17]:.0f} cm after 17 moves" in text and sigmas[17] == sigmas.max()
-    assert f"to {sigmas[20]:.0f} cm after 20 moves" in text
+    assert f"in drive 0 to {sigmas[17]:.0f} cm after 17 moves" in text("12") and sigmas[17] == sigmas.max()
+    assert f"to {sigmas[20]:.0f} cm after 20 moves" in text("12")
     edge = [journey(straight_on, ekf, seed) for seed in range(12)]
     assert np.mean([len(seen) <= 1 for each in edge for seen in each.seen[1:]]) > 0.5
-    assert "at most one landmark in most moves" in text
+    assert "at most one landmark in most moves" in text("12")
 
 
 def test_from_a_blind_start_the_choice_finds_less_in_four_moves_than_chance(own, ekf):

@@ -7,44 +7,47 @@ from nao_course.field_slam.drives import INSIDE
 from nao_course.geometry import Pose
 from nao_course.lessons.beyond.exploring import FREE, cell_centres
 from nao_course.lessons.beyond.stage import MOST_SIGMA, PICTURES, STAGE, Explorer
-from nao_course.sim import OdometryNoise, SensorNoise, SimulatedNao, Truth
+from nao_course.sim import OdometryNoise, SensorNoise, Truth
 from nao_course.sim.drives import NamedEkf
 from nao_course.student.stages import PLANNED
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel import Overlay, Pipeline, Stage
+from tests.lessons.driven import functions_of, off, robot
 
 
 @pytest.fixture
-def functions(own, ekf):
-    new = {name: own[name] for name in ("find_frontiers", "travel_steps", "choose_move")}
-    return new | dict(zip(("predict", "update_landmarks", "add_landmark"), ekf, strict=True))
+def functions():
+    return functions_of(STAGE)
 
 
-def robot(pose=Pose(0.6, 0.5, -0.25), **more):
-    return SimulatedNao(pose=pose, rng=41, **more)
+def live(nao, functions, *before):
+    return Pipeline([*before, STAGE], functions, nao, time_limit=60.0)
 
 
 class Drive:
     """A robot that goes where the stage says, a picture after each motion."""
 
-    def __init__(self, functions, nao=None):
-        self.nao = nao or robot()
-        self.pipeline = Pipeline([STAGE], functions, self.nao, time_limit=60.0)
+    def __init__(self, functions, **noise):
+        self.nao = robot(**noise)
+        self.pipeline = live(self.nao, functions)
         self.look()
 
     def look(self):
         self.seen = self.pipeline.process(self.nao.take_picture())
 
     def go(self):
-        motion = self.seen.motion
-        self.nao.walk(motion.distance)
-        self.nao.turn(motion.turn)
+        self.nao.walk(self.seen.motion.distance)
+        self.nao.turn(self.seen.motion.turn)
         self.look()
 
     @property
     def part(self):
         return float(self.seen.overlays[STAGE.name].text.partition("%")[0])
+
+    @property
+    def error(self):
+        return off(self.nao, self.seen.estimate.pose.as_array())
 
 
 def test_it_goes_where_nothing_was_seen_yet_and_stays_where_it_may_drive(functions):
@@ -62,7 +65,7 @@ def test_it_goes_where_nothing_was_seen_yet_and_stays_where_it_may_drive(functio
 @pytest.mark.slow
 def test_it_sees_all_of_where_it_may_drive_and_then_stands_still(functions):
     nao = robot()
-    panel = ControlPanel(nao, Truth(nao), pipeline=Pipeline([STAGE], functions, nao, time_limit=60.0))
+    panel = ControlPanel(nao, Truth(nao), pipeline=live(nao, functions))
     panel.explore(80)
     assert "100% seen" in panel.summary() and "everything is seen" in panel.summary()
     before = nao.odometry
@@ -76,39 +79,36 @@ def test_the_map_of_a_robot_that_maps_by_its_pictures_stays_that_map(functions):
 
     nao = robot()
     eleven = Stage(PICTURES, "11_slam_on_the_field", (), mapped)
-    seen = Pipeline([eleven, STAGE], functions, nao, time_limit=60.0).process(nao.take_picture())
+    seen = live(nao, functions, eleven).process(nao.take_picture())
     assert seen.estimate is None and seen.motion is not None
     assert "standard deviation" not in " ".join(seen.lines()), "that of another map would mislead"
-    alone = Pipeline([STAGE], functions, nao, time_limit=60.0).process(nao.take_picture())
+    alone = live(nao, functions).process(nao.take_picture())
     assert "lesson 11" not in " ".join(alone.lines())  # then it is this lesson's own
     assert PLANNED["11"] == PICTURES
 
 
-def test_choose_move_drives_when_the_pose_is_uncertain_and_otherwise_the_nearest_frontier(functions, ekf):
-    slam = NamedEkf(Pose(1.5, 0.0, 0.0), *ekf)
-    explorer = Explorer(StudentCode(functions))
+def test_choose_move_drives_for_a_while_when_the_pose_is_uncertain_and_otherwise_the_nearest_frontier(
+    functions, ekf
+):
+    slam, explorer = NamedEkf(Pose(1.5, 0.0, 0.0), *ekf), Explorer(StudentCode(functions))
     explorer.see(slam.state, 0.0, 0.0)
-    explorer.next(slam)
-    assert explorer.why == "to the nearest frontier"
-    slam.covariance = np.eye(3) * MOST_SIGMA**2
-    move = explorer.next(slam)
-    assert explorer.why == "to localise better" and move.distance == pytest.approx(0.3)
-    slam.covariance = np.eye(3) * (MOST_SIGMA / 3) ** 2
-    explorer.next(slam)
-    assert explorer.why == "to the nearest frontier"
-
-
-def test_a_return_without_success_ends_after_a_while(functions, ekf):
-    slam = NamedEkf(Pose(1.5, 0.0, 0.0), *ekf)
+    for sigma, why in (
+        (0, "the nearest frontier"),
+        (MOST_SIGMA, "localise better"),
+        (MOST_SIGMA / 3, "the nearest frontier"),
+    ):
+        slam.covariance = np.eye(3) * sigma**2
+        move = explorer.next(slam)
+        assert explorer.why == f"to {why}"
+        assert move.distance == pytest.approx(0.3) or sigma != MOST_SIGMA
     slam.covariance = np.eye(3) * MOST_SIGMA**2
     explorer, reasons = Explorer(StudentCode(functions)), []
     for _ in range(9):
         explorer.see(slam.state, 0.0, 0.3)
         explorer.next(slam)
         reasons.append(explorer.why)
-    assert reasons == 3 * ["to localise better"] + 3 * ["to the nearest frontier"] + 3 * [
-        "to localise better"
-    ]
+    returning, exploring = ["to localise better"] * 3, ["to the nearest frontier"] * 3
+    assert reasons == returning + exploring + returning
 
 
 def test_what_it_sees_lies_before_the_head_and_within_its_reach(functions):
@@ -120,28 +120,26 @@ def test_what_it_sees_lies_before_the_head_and_within_its_reach(functions):
 
 
 def test_without_noise_it_knows_its_place_exactly(functions):
-    quiet = {"odometry_noise": OdometryNoise(0, 0, 0, 0), "sensor_noise": SensorNoise(1e-9, 1e-9)}
-    drive = Drive(functions, robot(**quiet))
+    drive = Drive(functions, odometry_noise=OdometryNoise(0, 0, 0, 0), sensor_noise=SensorNoise(1e-9, 1e-9))
     for _ in range(4):
         drive.go()
-    assert np.allclose(drive.seen.estimate.pose.as_array(), Truth(drive.nao).pose.as_array(), atol=1e-5)
+    assert np.allclose(drive.error, 0, atol=1e-5)
 
 
 def test_what_fails_is_said_and_no_command_is_taken_in_twice(functions):
-    broken = {"now": False}
+    broken = []
 
     def update_landmarks(*given):
-        if broken["now"]:
+        if broken:
             raise ZeroDivisionError("no")
         return functions["update_landmarks"](*given)
 
     drive = Drive(functions | {"update_landmarks": update_landmarks})
-    broken["now"] = True
+    broken.append("now")
     drive.nao.walk(0.2)
     drive.look()
     assert "ZeroDivisionError in update_landmarks()" in drive.seen.complaints[0]
     assert drive.seen.motion is None
-    broken["now"] = False
+    broken.clear()
     drive.look()
-    pose = drive.seen.estimate.pose.as_array() - Truth(drive.nao).pose.as_array()
-    assert drive.seen.motion is not None and np.hypot(*pose[:2]) < 0.05
+    assert drive.seen.motion is not None and np.hypot(*drive.error[:2]) < 0.05

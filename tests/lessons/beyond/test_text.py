@@ -2,19 +2,22 @@
 
 import json
 import re
+from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from nao_course.geometry import wrap_angle
 from nao_course.lessons.beyond.challenge import CHALLENGE
 from nao_course.lessons.beyond.exploring import anywhere_known, explore, nearest_frontier
 from nao_course.lessons.beyond.figures import FOUND, LOST_SEED, LOST_SHOWN, lap
 from nao_course.lessons.beyond.particles import anywhere, find_itself
 from nao_course.lessons.beyond.stage import MOST_SIGMA, RETURN
-from tests.lessons.every import quotes
-from tests.paths import PROJECT, SOLUTIONS
+from tests.lessons.every import executed, quotes, text
+from tests.paths import PROJECT
 
-TEXT = (SOLUTIONS / "12_beyond.md").read_text(encoding="utf-8")
+TEXT = text("12")
 
 
 def section(heading):
@@ -22,12 +25,8 @@ def section(heading):
 
 
 def recorded(name):
-    return json.loads(
-        (PROJECT / "benchmarks" / "results" / f"beyond_{name}.json").read_text(encoding="utf-8")
-    )
-
-
-# --- what was measured ---
+    path = PROJECT / "benchmarks" / "results" / f"beyond_{name}.json"
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def test_the_text_says_how_consistent_filter_and_particles_were():
@@ -77,16 +76,14 @@ def test_the_text_says_what_was_explored():
 
 def test_the_text_says_what_the_choice_is_worth_and_a_quarter_of_the_uncertainty_is_saved():
     moves = recorded("moves")
-    at_end = {
-        name: [100 * np.median(each[key]) for key in ("sigma", "error")]
-        for name, each in moves["variants"].items()
-    }
+    variants = moves["variants"]
+    names = ("smallest variance", "at random", "in a circle", "along the edge")
     chosen, chance, circle, edge = (
-        at_end[name] for name in ("smallest variance", "at random", "in a circle", "along the edge")
+        [100 * np.median(variants[name][key]) for key in ("sigma", "error")] for name in names
     )
     saved, low, high = (f"{100 * each:.0f}" for each in moves["saved"])
-    nees = np.mean(moves["variants"]["smallest variance"]["nees"])
-    half_way = 100 * np.array(moves["variants"]["in a circle"]["sigmas"])[:, 1].max()
+    nees = np.mean(variants["smallest variance"]["nees"])
+    half_way = 100 * np.array(variants["in a circle"]["sigmas"])[:, 1].max()
     quotes(
         section("The most informative move") + section("Exercise 12.7 (three stars)"),
         *(f"{each:.1f} cm" for each in (*chosen, *chance, circle[0])),
@@ -112,62 +109,60 @@ def test_from_a_blind_start_the_choice_ends_less_certain_than_random_moves_and_w
     assert np.mean(back["smallest variance"]["nees"]) > 10
 
 
-def test_the_text_says_by_how_much_an_entry_of_the_challenge_leads_the_next():
-    rows = {row.name: row for row in CHALLENGE.rows}
-    own, circle, better = (
-        rows[name] for name in ("the reference", "the paper's way, a fixed plan", "a better one")
-    )
-    for above, below in ((own, circle), (better, own)):
-        lead = np.subtract(above.cases, below.cases)
+def test_the_text_says_by_how_much_an_entry_leads_the_next_and_at_which_limit_the_robot_returns():
+    cases = {row.name: row.cases for row in CHALLENGE.rows}
+    names = ("a better one", "the reference", "the paper's way, a fixed plan")
+    for above, below in pairwise(names):
+        lead = np.subtract(cases[above], cases[below])
         most = 2.093 * lead.std(ddof=1) / np.sqrt(20)  # Student's t for twenty robots
         assert f" {lead.mean() - most:.0f} to {lead.mean() + most:.0f} bits" in section("The challenge")
-
-
-def test_the_robot_returns_at_the_limit_that_the_text_states():
     told = section("My NAO, by itself")
     assert f"standard deviation of its position exceeds {100 * MOST_SIGMA:.0f} cm" in told
     assert "a metre" in told and round(RETURN) == 1
 
 
-# --- what is worked out ---
-
-
-class Shift:
-    """A random number that is known."""
-
-    def __init__(self, q):
-        self.q = q
-
-    def random(self):
-        return self.q
-
-
-def test_the_combs_of_the_worked_example_keep_what_the_text_says(own):
-    weights = np.array([0.5, 0.1, 0.4])
-    for q, teeth, kept in (
-        (0.6, "0.2, 0.533 and 0.867", [0, 1, 2]),
-        (0.15, "0.05, 0.383 and 0.717", [0, 0, 2]),
-    ):
-        assert (
-            f"With $q = {q}$ the teeth are at {teeth}" in TEXT
-            or f"With $q = {q}$ they are at {teeth}" in TEXT
-        )
-        assert np.allclose(
-            [float(each) for each in re.findall(r"[\d.]+", teeth)], (q + np.arange(3)) / 3, atol=5e-4
-        )
-        assert list(own["resample"](weights, Shift(q))) == kept
-
-
-def test_a_particle_of_weight_one_in_n_is_lost_in_37_percent_of_all_draws():
+@pytest.mark.parametrize(
+    ("q", "teeth", "kept"),
+    [(0.6, "0.2, 0.533 and 0.867", [0, 1, 2]), (0.15, "0.05, 0.383 and 0.717", [0, 0, 2])],
+)
+def test_the_combs_of_the_worked_example_keep_what_the_text_says(own, q, teeth, kept):
+    assert re.search(rf"With \$q = {q}\$ (the teeth|they) are at {teeth}", TEXT)
+    assert [float(each) for each in re.findall(r"[\d.]+", teeth)] == pytest.approx(
+        (q + np.arange(3)) / 3, abs=5e-4
+    )
+    shift = SimpleNamespace(random=lambda: q)
+    assert list(own["resample"](np.array([0.5, 0.1, 0.4]), shift)) == kept
     assert "is lost in 37 % of all cases" in TEXT and round(100 * (1 - 1 / 2000) ** 2000) == 37
 
 
-def test_two_or_three_of_two_thousand_particles_begin_near_the_truth():
+def test_the_worked_weight_landmark_and_rays_are_those_of_the_solution(own):
+    log = own["weigh"](np.zeros((1, 3)), np.array([2.0, 0.0]), np.array([0.02, 2.1]), np.diag([0.0004, 0.01]))
+    assert f"$\\log w = -1 + 4.377 = {log[0]:.3f}$" in TEXT
+    mean, covariance, log = own["update_particle_landmark"](
+        np.zeros(3), np.array([2.0, 0.0]), 0.03 * np.eye(2), np.array([0.0, 2.2]), np.diag([0.0025, 0.01])
+    )
+    assert np.allclose(mean, [2.15, 0]) and np.allclose(covariance, 0.0075 * np.eye(2))
+    assert f"-0.5 + 2.074 = {log:.3f}$" in TEXT and f"diag(0.0075, 0.0075) and {log:.3f}." in TEXT
+    rays = ((0.0, 0.0, 1.0), (0.8, 0.0, -0.6), (0.0, 0.2, 0.0), (1.0, 0.0, 0.0))
+    point, gap = own["intersect_rays"](*map(np.array, rays))
+    assert np.allclose(point, [4 / 3, 0.1, 0]) and np.isclose(gap, 0.2)
+    assert "The closest points are $(1.333, 0, 0)$ and $(1.333, 0.2, 0)$, 0.2 m apart" in TEXT
+
+
+def test_two_or_three_of_two_thousand_particles_begin_near_the_truth_but_none_of_the_lessons(own):
     many = anywhere(400_000, np.random.default_rng(0))
     width, height, turn = np.ptp(many, axis=0)
     assert f"{width:.1f} m by {height:.1f} m, or {width * height:.0f} m²" in TEXT and turn > 6.28
     near = (np.hypot(many[:, 0] - 1.4, many[:, 1] + 0.8) < 0.3) & (np.abs(many[:, 2]) < np.radians(10))
     assert 2 < 2000 * near.mean() < 3.5
+    steps = lap(LOST_SEED, max(LOST_SHOWN) - 1)
+    clouds = find_itself(own["weigh"], own["resample"], steps, np.random.default_rng(LOST_SEED), 2000)
+    away = clouds[0] - steps[0].pose
+    turned = np.abs(wrap_angle(away[:, 2]))
+    assert not ((np.hypot(away[:, 0], away[:, 1]) < FOUND) & (turned < np.radians(10))).any()
+    off = np.hypot(*(clouds[3] - steps[2].pose)[:, :2].T)
+    assert off.min() > FOUND and 0.4 < np.median(off) < 0.6
+    assert "no particle started within 30 cm and 10 degrees" in TEXT
 
 
 @pytest.mark.slow
@@ -184,30 +179,6 @@ def test_the_text_says_how_often_particles_find_the_robot(own):
     assert [found(n) for n in (2000, 500, 5000)] == [18, 16, 20]
     assert "18 find the robot; with 500 particles 16 do, and with 5000 all twenty" in TEXT
     assert "Of the 40 Kalman filters, 13 found it" in TEXT  # counted in test_figures.py
-
-
-def test_the_worked_weight_is_that_of_the_solution(own):
-    log = own["weigh"](np.zeros((1, 3)), np.array([2.0, 0.0]), np.array([0.02, 2.1]), np.diag([0.0004, 0.01]))
-    assert f"$\\log w = -1 + 4.377 = {log[0]:.3f}$" in TEXT
-
-
-def test_the_worked_landmark_is_corrected_as_the_text_says(own):
-    mean, covariance, log = own["update_particle_landmark"](
-        np.zeros(3), np.array([2.0, 0.0]), 0.03 * np.eye(2), np.array([0.0, 2.2]), np.diag([0.0025, 0.01])
-    )
-    assert np.allclose(mean, [2.15, 0]) and np.allclose(covariance, 0.0075 * np.eye(2))
-    assert f"-0.5 + 2.074 = {log:.3f}$" in TEXT and f"diag(0.0075, 0.0075) and {log:.3f}." in TEXT
-
-
-def test_the_worked_rays_pass_where_the_text_says(own):
-    point, gap = own["intersect_rays"](
-        np.array([0.0, 0.0, 1.0]),
-        np.array([0.8, 0.0, -0.6]),
-        np.array([0.0, 0.2, 0.0]),
-        np.array([1.0, 0.0, 0.0]),
-    )
-    assert np.allclose(point, [4 / 3, 0.1, 0]) and np.isclose(gap, 0.2)
-    assert "The closest points are $(1.333, 0, 0)$ and $(1.333, 0.2, 0)$, 0.2 m apart" in TEXT
 
 
 def drawn(heading):
@@ -248,20 +219,9 @@ def test_chance_is_ahead_of_the_nearest_frontier_in_the_rooms_that_the_text_name
 
 
 def test_the_alt_text_of_the_first_picture_has_the_numbers_of_the_figure():
-    notebook = json.loads((SOLUTIONS / "12_beyond.ipynb").read_text(encoding="utf-8"))
-    (cell,) = [each for each in notebook["cells"] if "check.payoff(" in "".join(each["source"])]
-    drawn = "".join(cell["outputs"][0]["data"]["text/plain"])
+    (cell,) = [each for each in executed("12_beyond").cells if "check.payoff(" in each.source]
     told = re.search(r"!\[([^\]]+)\]\(images/12_payoff.png\)", TEXT)[1]
-    said = [round(100 * float(each)) for each in re.findall(r"(\d\.\d+) m", drawn)]
-    assert [int(each) for each in re.findall(r"(\d+) cm", told)] == said
-
-
-def test_no_particle_starts_near_the_robot_or_is_there_after_three_observations(own):
-    steps = lap(LOST_SEED, max(LOST_SHOWN) - 1)
-    clouds = find_itself(own["weigh"], own["resample"], steps, np.random.default_rng(LOST_SEED), 2000)
-    away = clouds[0] - steps[0].pose
-    turned = np.abs((away[:, 2] + np.pi) % (2 * np.pi) - np.pi)
-    assert not ((np.hypot(away[:, 0], away[:, 1]) < FOUND) & (turned < np.radians(10))).any()
-    off = np.hypot(*(clouds[3] - steps[2].pose)[:, :2].T)
-    assert off.min() > FOUND and 0.4 < np.median(off) < 0.6
-    assert "no particle started within 30 cm and 10 degrees" in TEXT
+    said = re.findall(r"(\d\.\d+) m", cell.outputs[0].data["text/plain"])
+    assert [int(each) for each in re.findall(r"(\d+) cm", told)] == [
+        round(100 * float(each)) for each in said
+    ]

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.beyond.two_cameras import (
     DISTANCES,
     TILT,
@@ -14,14 +13,8 @@ from nao_course.lessons.beyond.two_cameras import (
     ray,
 )
 from nao_course.sim import NAO_V4
-from tests.paths import SOLUTIONS
 
 SIZE = (640, 480)
-
-
-@pytest.fixture(scope="module")
-def functions(own):
-    return own["intersect_rays"], load_solution(SOLUTIONS / "04_distance.ipynb")["pixel_to_ground"]
 
 
 def test_a_pixels_ray_leads_back_to_the_point_that_it_shows(rng):
@@ -33,28 +26,21 @@ def test_a_pixels_ray_leads_back_to_the_point_that_it_shows(rng):
             assert np.allclose((origin - origin[2] / direction[2] * direction)[:2], place, atol=2e-3)
 
 
-@pytest.mark.parametrize("distance", DISTANCES)
-def test_without_tilt_and_with_many_pixels_both_methods_return_the_true_distance(
-    functions, distance, monkeypatch
+def test_without_tilt_both_methods_return_the_true_distance_and_tilt_changes_that_of_one_camera(
+    cameras, monkeypatch
 ):
     monkeypatch.setattr("nao_course.lessons.beyond.two_cameras.PIXEL_SIGMA", 0.0)
-    distances = measure_again(*functions, distance, SIZE, tilt=(0.0, 0.0), count=2)
-    assert distances.seen == 1
-    assert np.allclose(distances.one, distance, rtol=1e-3) and np.allclose(
-        distances.both, distance, rtol=5e-3
-    )
-
-
-def test_tilt_changes_the_distance_of_one_camera_but_not_of_two(functions, monkeypatch):
-    monkeypatch.setattr("nao_course.lessons.beyond.two_cameras.PIXEL_SIGMA", 0.0)
-    distances = measure_again(*functions, 2.0, SIZE, count=60)
-    one, both = distances.sigmas
+    for distance in DISTANCES:
+        distances = measure_again(*cameras, distance, SIZE, tilt=(0.0, 0.0), count=2)
+        assert distances.seen == 1 and np.allclose(distances.one, distance, rtol=1e-3)
+        assert np.allclose(distances.both, distance, rtol=5e-3)
+    one, both = measure_again(*cameras, 2.0, SIZE, count=60).sigmas
     assert one == pytest.approx(expected_sigmas(2.0, 640)[0], rel=0.35) and both < one / 20
 
 
 @pytest.mark.parametrize(("pitched", "bottom_sees"), [(0.2, False), (-0.2, True)])
-def test_a_point_that_one_camera_alone_sees_is_not_measured_by_both(functions, pitched, bottom_sees):
-    distances = measure_again(*functions, 2.0, SIZE, pitch=pitch_for(2.0) + pitched, count=5)
+def test_a_point_that_one_camera_alone_sees_is_not_measured_by_both(cameras, pitched, bottom_sees):
+    distances = measure_again(*cameras, 2.0, SIZE, pitch=pitch_for(2.0) + pitched, count=5)
     assert distances.seen == 0 and np.isnan(distances.sigmas[1])
     assert np.isnan(distances.one).all() != bottom_sees
 
@@ -69,11 +55,8 @@ def test_scatter_is_the_standard_deviation_of_a_gaussian_and_no_outlier_moves_it
     errors = rng.normal(0, 0.1, 4000)
     errors[:20] = np.inf
     distances = Distances(2 + errors, np.full(4000, np.nan), 2.0)
-    assert (
-        distances.sigmas[0] == pytest.approx(0.1, rel=0.05)
-        and np.isnan(distances.sigmas[1])
-        and distances.seen == 0
-    )
+    assert distances.sigmas[0] == pytest.approx(0.1, rel=0.05)
+    assert np.isnan(distances.sigmas[1]) and distances.seen == 0
 
 
 def test_the_formulas_grow_with_the_square_of_the_distance():

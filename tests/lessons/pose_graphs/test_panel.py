@@ -51,7 +51,7 @@ def test_what_can_be_found_is_there():
     assert "off by 13.12 m." in stuck and "off by 0." in home
     assert "chi2 36,663 -> 73,390" in shown.summary()
     shown.set(world="the half field", step=0)
-    assert set(shown.shown.pictures) == {"Graph", "Blocks of H"} or "Blocks of H" in shown.shown.pictures
+    assert "Blocks of H" in shown.shown.pictures
 
 
 def test_the_given_solver_moves_the_map_as_the_solution_does():
@@ -63,15 +63,12 @@ def test_the_given_solver_moves_the_map_as_the_solution_does():
     assert "The given solver." in given.summary() and "Your code: gauss_newton." in own.summary()
 
 
-def test_functions_that_are_not_finished_are_replaced_by_given_ones():
+def test_functions_that_are_not_finished_are_replaced_by_given_ones_and_the_students_are_used():
     shown = panel(gauss_newton=blank)
     shown.set(step=2)
     assert "Blocks of H" in shown.shown.pictures and "off by 0.23 m." in shown.summary()
     assert "The given solver." in shown.summary() and shown.error is None
     assert "Finish exercise 9.5" in panel(linearize=blank).summary()
-
-
-def test_the_students_parts_are_used_as_they_are_finished():
     parts = {name: OWN[name] for name in ("landmark_residual", "pose_residual")}
     shown = RelaxPanel("the half field", **parts, pose_residual_jacobians=blank)
     shown.set(step=3)
@@ -83,36 +80,41 @@ def test_the_students_parts_are_used_as_they_are_finished():
         RelaxPanel(pose_residuals=OWN["pose_residual"])
 
 
-def test_a_recorded_building_can_be_chosen_where_the_recordings_are(tmp_path, monkeypatch):
+@pytest.fixture
+def recorded_building(tmp_path, monkeypatch):
     monkeypatch.setenv(DATA_VARIABLE, str(tmp_path))
     assert REAL not in world_names()
-    file = tmp_path / INTEL
+    world, file = building(5, 60), tmp_path / INTEL
     file.parent.mkdir(parents=True)
-    world = building(5, 60)
     write_g2o(world.graph, world.odometry, file)
     world_named.cache_clear()
-    try:
-        shown = RelaxPanel()
-        shown.set(world=REAL)
-        assert (
-            "from the map with the smallest chi2" in shown.summary() and "off by 0.00" not in shown.summary()
-        )
-        shown.set(step=4)
-        assert "off by 0.00 m from the map with the smallest chi2" in shown.summary()
-        states = world_named(REAL).odometry
-        drawn = draw_map(world_named(REAL), states, SimpleNamespace(world=REAL, step=0))
-        assert "true path" not in [
-            text.get_text() for each in drawn.figure.legends for text in each.get_texts()
-        ]
-    finally:
-        world_named.cache_clear()
+    yield
+    world_named.cache_clear()
 
 
-def test_each_heading_of_the_initial_estimate_is_off_by_another_angle():
-    world = world_named("a building")
+@pytest.mark.usefixtures("recorded_building")
+def test_a_recorded_building_can_be_chosen_where_the_recordings_are():
+    shown = RelaxPanel()
+    shown.set(world=REAL)
+    assert "from the map with the smallest chi2" in shown.summary() and "off by 0.00" not in shown.summary()
+    shown.set(step=4)
+    assert "off by 0.00 m from the map with the smallest chi2" in shown.summary()
+    drawn = draw_map(world_named(REAL), world_named(REAL).odometry, SimpleNamespace(world=REAL, step=0))
+    named = [text.get_text() for each in drawn.figure.legends for text in each.get_texts()]
+    assert "true path" not in named
+
+
+def test_each_heading_of_the_initial_estimate_is_off_by_another_angle_and_the_map_moves_in_still_axes():
+    world, limits = world_named("a building"), set()
     states = initial_estimate(world, "each heading off at random, σ 20°")
     away = np.degrees(states - world.truth)[5::3]
     assert 17 < away.std() < 23 and abs(away.mean()) < 4
+    scattered = initial_estimate(world, "each position off at random, σ 100 m")
+    for step in (0, 1, 3):
+        states = OWN["gauss_newton"](world.graph, scattered, step)[0]
+        [ax] = draw_map(world, states, SimpleNamespace(world="a building", step=step)).figure.axes
+        limits.add((*ax.get_xlim(), *ax.get_ylim()))
+    assert len(limits) == 1
 
 
 @pytest.mark.parametrize(
@@ -135,14 +137,3 @@ def test_the_edge_panel_shows_the_students_entries_where_there_are_some():
     assert "landmark B" in shown.summary() and "H" in shown.shown.pictures
     assert "Finish exercise 9.5" in EdgePanel(blank).summary()
     assert "of your H" not in EdgePanel().summary()
-
-
-def test_the_map_moves_and_its_axes_do_not():
-    world, limits = world_named("a building"), set()
-    for step in (0, 1, 3):
-        states = OWN["gauss_newton"](
-            world.graph, initial_estimate(world, "each position off at random, σ 100 m"), step
-        )[0]
-        [ax] = draw_map(world, states, SimpleNamespace(world="a building", step=step)).figure.axes
-        limits.add((*ax.get_xlim(), *ax.get_ylim()))
-    assert len(limits) == 1

@@ -20,14 +20,12 @@ from nao_course.lessons.pose_graphs.worlds import (
 from tests.lessons.pose_graphs.own import OWN
 
 
-def test_a_pose_between_two_others_is_the_product_of_inverse_and_pose(rng):
+def test_a_pose_between_two_others_is_the_product_of_inverse_and_pose_and_steps_add_up_to_poses(rng):
     first, second = rng.uniform(-3, 3, (2, 20, 3))
     for i, j, found in zip(first, second, between(first, second), strict=True):
         wanted = Pose.from_array(i).inverse() @ Pose.from_array(j)
         assert found == pytest.approx(wanted.as_array())
-
-
-def test_steps_add_up_to_the_poses_that_they_lie_between(rng):
+    assert moved(first, between(first, second)) == pytest.approx(second, abs=1e-12)
     path = np.cumsum(rng.normal(0, 0.5, (30, 3)), axis=0)
     again = chained(path[0], between(path[:-1], path[1:]))
     assert again[:, :2] == pytest.approx(path[:, :2])
@@ -60,26 +58,16 @@ def test_chi2_at_the_truth_is_one_for_each_number_that_was_measured(make):
     assert abs(total - numbers) < 3 * np.sqrt(2 * numbers)
 
 
-def test_a_pose_that_moved_between_two_others_is_the_second(rng):
-    first, second = rng.uniform(-3, 3, (2, 20, 3))
-    again = moved(first, between(first, second))
-    assert again == pytest.approx(second, abs=1e-12)
-
-
-def test_closures_join_poses_that_are_near_and_far_apart_in_time():
+def test_closures_join_poses_that_are_near_and_far_apart_in_time_and_false_ones_stand_last():
     world = building(5)
     poses = world.graph.split(world.truth)[0]
     first, second = world.graph.edges[world.closures()].T
     assert world.closures().sum() == 130 and (first - second >= 20).all()
     assert np.hypot(*(poses[first] - poses[second])[:, :2].T).max() < 1.5
-
-
-def test_false_closures_stand_last_and_join_what_is_far_apart():
-    world = with_false_closures(building(5), 7, 3)
-    poses = world.graph.split(world.truth)[0]
-    first, second = world.graph.edges[-7:].T
+    edges = with_false_closures(world, 7, 3).graph.edges
+    first, second = edges[-7:].T
     assert np.hypot(*(poses[first] - poses[second])[:, :2].T).min() > 12
-    assert (world.graph.edges[:-7] == building(5).graph.edges).all()
+    assert (edges[:-7] == world.graph.edges).all()
 
 
 def test_a_loop_that_drifts_ends_with_its_heading_off_by_that():

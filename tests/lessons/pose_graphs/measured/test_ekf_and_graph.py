@@ -1,12 +1,9 @@
 """Both methods map the same drives: without noise to the truth; with it the graph is nearer and more honest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from nao_course.geometry import wrap_angle
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph
 from nao_course.lessons.pose_graphs.measured.ekf_and_graph import (
     NOISES,
@@ -21,63 +18,62 @@ from nao_course.lessons.pose_graphs.measured.ekf_and_graph import (
     scores,
 )
 from nao_course.sim.drives import Sigmas
-from tests.paths import SOLUTIONS
+from tests.lessons.every import own
+from tests.lessons.pose_graphs.own import OWN
 
 HARD = NOISES["3° a step, 5° bearing"]
 TINY = Sigmas(*(1e-7 * np.ones(5)))
 
 
 @pytest.fixture(scope="module")
-def ekf() -> Filter:
-    own = load_solution(SOLUTIONS / "07_ekf_slam.ipynb")
-    return Filter(*(own[name] for name in Filter._fields))
+def ekf():
+    return Filter(*(own("07")[name] for name in Filter._fields))
 
 
 @pytest.fixture(scope="module")
-def smoother() -> Smoother:
-    own = load_solution(SOLUTIONS / "09_pose_graphs.ipynb")
-    return Smoother(*(own[name] for name in Smoother._fields))
+def smoother():
+    return Smoother(*(own("09")[name] for name in Smoother._fields))
 
 
-def test_without_noise_both_find_the_truth(ekf: Filter, smoother: Smoother) -> None:
+def away(poses, others):
+    """Return the largest difference of poses, headings on the circle."""
+    apart = poses - others
+    apart[:, 2] = wrap_angle(apart[:, 2])
+    return np.abs(apart).max()
+
+
+def true_states(drive):
+    return np.concatenate([drive.poses.ravel(), drive.landmarks.ravel()])
+
+
+def test_without_noise_both_find_the_truth(ekf, smoother):
     drive = hall_drive(1, 40, TINY)
     filtered = run_filter(drive, ekf)
     for mapped in (filtered, run_smoother(drive, smoother, filtered)):
-        away = mapped.poses - drive.poses
-        away[:, 2] = wrap_angle(away[:, 2])
-        assert np.abs(away).max() < 2e-5
+        assert away(mapped.poses, drive.poses) < 2e-5
         assert mapped.landmarks == pytest.approx(drive.landmarks, abs=2e-5)
 
 
-def test_the_graph_of_a_drive_fits_its_truth_as_well_as_its_noise_says(smoother: Smoother) -> None:
+def test_the_graph_of_a_drive_fits_its_truth_as_well_as_its_noise_says():
     """The mean of chi2 at the truth is one for each number that was measured."""
-    own = load_solution(SOLUTIONS / "09_pose_graphs.ipynb")
-    found, numbers = 0.0, 0
+    residuals, found, numbers = (OWN["pose_residual"], OWN["landmark_residual"]), 0.0, 0
     for seed in range(10):
         drive = hall_drive(seed, 80, Sigmas(0.1, 0.002, 0.01, 0.02, 0.05))  # along and across are far apart
-        graph = drive_graph(drive)
-        truth = np.concatenate([drive.poses.ravel(), drive.landmarks.ravel()])
-        squares = graph.squared_errors(truth, own["pose_residual"], own["landmark_residual"])
+        squares = drive_graph(drive).squared_errors(true_states(drive), *residuals)
         found, numbers = found + squares.sum(), numbers + 240 + 2 * (len(squares) - 80)
     assert found / numbers == pytest.approx(1.0, abs=0.05)
 
 
-def test_a_long_drive_is_not_in_a_wrong_minimum_when_its_covariance_is_too_small(
-    ekf: Filter, smoother: Smoother
-) -> None:
+def test_a_long_drive_is_not_in_a_wrong_minimum_when_its_covariance_is_too_small(ekf, smoother):
     drive = hall_drive(7, 800, HARD)
     mapped = run_smoother(drive, smoother, run_filter(drive, ekf))
-    truth = np.concatenate([drive.poses.ravel(), drive.landmarks.ravel()])
-    states, _ = smoother.gauss_newton(drive_graph(drive), truth, 15)
-    away = states[: mapped.poses.size].reshape(-1, 3) - mapped.poses
-    away[:, 2] = wrap_angle(away[:, 2])
-    assert np.abs(away).max() < 1e-2
+    states, _ = smoother.gauss_newton(drive_graph(drive), true_states(drive), 15)
+    assert away(states[: mapped.poses.size].reshape(-1, 3), mapped.poses) < 1e-2
     assert scores(drive, mapped)["nees"] > 10
-    off = wrap_angle(mapped.poses[-1, 2] - drive.poses[-1, 2])
-    assert np.degrees(abs(off)) > 15
+    assert np.degrees(abs(wrap_angle(mapped.poses[-1, 2] - drive.poses[-1, 2]))) > 15
 
 
-def test_landmarks_are_numbered_as_they_are_seen_first() -> None:
+def test_landmarks_are_numbered_as_they_are_seen_first():
     drive = hall_drive(2, 60, HARD)
     numbers = np.concatenate([step.numbers for step in drive.steps])
     new = numbers[np.unique(numbers, return_index=True)[1]]
@@ -85,26 +81,24 @@ def test_landmarks_are_numbered_as_they_are_seen_first() -> None:
     assert np.maximum.accumulate(numbers)[-1] == len(drive.landmarks) - 1
 
 
-def test_the_graph_is_nearer_and_more_honest_where_noise_is_large(ekf: Filter, smoother: Smoother) -> None:
+def test_the_graph_is_nearer_and_more_consistent_where_noise_is_large(ekf, smoother):
     found = compare(ekf, smoother, HARD, (120,), range(6))
     assert found["graph"]["path"].shape == (1, 6)
-    assert found["graph"]["path"].mean() < found["ekf"]["path"].mean()
-    assert found["graph"]["nees"].mean() < found["ekf"]["nees"].mean()
+    assert all(found["graph"][name].mean() < found["ekf"][name].mean() for name in ("path", "nees"))
+    alt = draw_ekf_and_graph().alt
+    assert "EKF after 800 steps" in alt and "graph after 800 steps" in alt
 
 
-def test_nees_of_the_truth_is_nothing_and_heads_are_taken_on_the_circle(ekf: Filter) -> None:
+def test_nees_of_the_truth_is_nothing_and_headings_are_taken_on_the_circle(ekf):
     drive = hall_drive(3, 15, HARD)
-    mapped = run_filter(drive, ekf)
     turned = drive.poses + (0.0, 0.0, 2 * np.pi)
-    exact = mapped._replace(poses=turned, landmarks=drive.landmarks)
-    assert {**scores(drive, exact), "seconds": 0.0} == pytest.approx(
-        {"path": 0, "last": 0, "landmarks": 0, "nees": 0, "seconds": 0}, abs=1e-12
+    exact = run_filter(drive, ekf)._replace(poses=turned, landmarks=drive.landmarks)
+    assert [scores(drive, exact)[name] for name in ("path", "last", "landmarks", "nees")] == pytest.approx(
+        [0] * 4
     )
 
 
-def test_a_graph_that_is_solved_at_every_stop_is_the_whole_one_at_the_end(
-    ekf: Filter, smoother: Smoother
-) -> None:
+def test_a_graph_that_is_solved_at_every_stop_is_the_whole_one_at_the_end(ekf, smoother):
     drive = hall_drive(4, 20, HARD)
     sizes = []
 
@@ -117,8 +111,3 @@ def test_a_graph_that_is_solved_at_every_stop_is_the_whole_one_at_the_end(
     assert [poses for poses, _, _ in sizes] == list(range(2, 22))
     assert sizes[-1] == (whole.poses, whole.landmarks, len(whole.edges))
     assert sizes == sorted(sizes)
-
-
-def test_the_recorded_comparison_is_told_in_words() -> None:
-    alt = draw_ekf_and_graph().alt
-    assert "EKF after 800 steps" in alt and "graph after 800 steps" in alt
