@@ -123,20 +123,19 @@ def test_check_data_of_another_processor_is_the_same_and_its_mistakes_are_recogn
 
 
 @each_lesson
-def test_the_student_copy_is_that_of_the_text(name):
+def test_the_student_copy_and_the_executed_solution_are_those_of_the_text_which_they_would_be_written_as(
+    name,
+):
     given, written = (
         [(cell.id, cell.source) for cell in notebook.cells if not is_solution(cell)]
         for notebook in (student_copy(name), solved(name))
     )
     assert given == written, "run `make build`"
-
-
-@each_lesson
-def test_the_executed_solution_is_that_of_the_text(name):
     stamps.refuse_what_is_not_built(COURSE, [name], executed=True)
     kept = json.dumps(executed(name).cells)
     assert "widget-view" not in kept and '"execution":' not in kept
     assert (PROJECT / "solutions" / f"{name}.ipynb").stat().st_size < execute.LARGEST
+    assert lesson_text.write_lesson(deepcopy(executed(name))) == COURSE.text(name).read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
@@ -144,11 +143,6 @@ def test_the_executed_solution_is_that_of_the_text(name):
 @pytest.mark.parametrize("name", COURSE.names(["01"]))
 def test_building_twice_makes_the_same_bytes(name):
     assert build.build(COURSE, [name]).files == build.build(COURSE, [name], prove=True).files
-
-
-@each_lesson
-def test_a_text_is_what_its_own_notebook_would_be_written_as(name):
-    assert lesson_text.write_lesson(deepcopy(executed(name))) == COURSE.text(name).read_text(encoding="utf-8")
 
 
 @each_lesson
@@ -181,17 +175,10 @@ def test_rubric_16_the_blank_student_copy_runs_to_its_end_and_scores_nothing(nam
 
 
 def test_rubric_16_built_notebooks_are_clean():
-    folders = [str(PROJECT / "notebooks"), str(PROJECT / "solutions")]
-    command = [
-        sys.executable,
-        "-m",
-        "ruff",
-        "check",
-        "--no-cache",
-        "--config",
-        str(PROJECT / "pyproject.toml"),
-    ]
-    checked = subprocess.run([*command, *folders], capture_output=True, text=True)
+    command = [sys.executable, "-m", "ruff", "check", "--no-cache", "--config", "pyproject.toml"]
+    checked = subprocess.run(
+        [*command, "notebooks", "solutions"], cwd=PROJECT, capture_output=True, text=True
+    )
     assert checked.returncode == 0, checked.stdout
 
 
@@ -205,13 +192,8 @@ def test_nbval_finds_the_stored_outputs_again(name, tmp_path):
         if is_drawn(cell):
             cell.metadata["tags"] = ["nbval-ignore-output"]
     nbformat.write(kept, notebook)
-    command = [sys.executable, "-m", "pytest", "--nbval", "-q", "-p", "no:cacheprovider", "-c", os.devnull]
+    options = ["--nbval", "-q", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir", str(tmp_path)]
     environment = execute.environment(PROJECT) | {"NAO_COURSE_NOTEBOOKS": str(PROJECT / "solutions")}
-    ran = subprocess.run(
-        [*command, "--rootdir", str(tmp_path), str(notebook)],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-    )
+    command = [sys.executable, "-m", "pytest", *options, str(notebook)]
+    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stdout[-3000:]

@@ -5,13 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from nao_course.exercises import load_definitions
-from tests.paths import SOLUTIONS
+from tests.lessons.every import own
 
-
-@pytest.fixture(scope="module")
-def hsl():
-    return load_definitions(SOLUTIONS / "01_hsl_filtering.ipynb")
+HSL = own("01")
 
 
 def exact_hsl(pixel):
@@ -28,39 +24,38 @@ def exact_hsl(pixel):
 
 
 @pytest.mark.asserts("eq-1-1", "eq-1-2", "eq-1-3")
-def test_hue_saturation_and_lightness_are_the_lessons_fractions(hsl, rng):
+def test_hue_saturation_and_lightness_are_the_lessons_fractions_and_its_worked_example_is_right(rng):
     picture = rng.integers(0, 256, (12, 12, 3)).astype(np.uint8)
     picture[0] = picture[0, :, :1]  # greys
     picture[1, :3] = np.eye(3) * 255
-    hue, saturation, lightness = hsl["rgb_to_hsl"](picture)
+    picture[2, 0] = 60, 130, 70
+    hue, saturation, lightness = HSL["rgb_to_hsl"](picture)
     wanted = np.array([[[float(v) for v in exact_hsl(p)] for p in row] for row in picture])
     assert np.allclose(np.stack([lightness, saturation, hue], axis=2), wanted)
-
-
-def test_the_worked_example_of_the_lesson_is_right(hsl):
-    hue, saturation, lightness = (float(v[0, 0]) for v in hsl["rgb_to_hsl"](np.uint8([[[60, 130, 70]]])))
-    assert (round(hue, 1), round(saturation, 2), round(lightness)) == (128.6, 0.37, 95)
+    assert np.round([hue[2, 0], lightness[2, 0], saturation[2, 0]], 2).tolist() == pytest.approx(
+        [128.57, 95, 0.37]
+    )
 
 
 @pytest.mark.asserts("eq-1-4")
-def test_the_threshold_for_white_climbs_from_beta_to_the_maximum_in_a_straight_line(hsl, rng):
+def test_the_threshold_for_white_climbs_from_beta_to_the_maximum_in_a_straight_line(rng):
     for beta, most in rng.uniform((90, 200), (150, 255), (20, 2)):
-        at = [hsl["white_threshold"](share * most, beta, most) for share in (0.0, 0.5, 1.0)]
+        at = [HSL["white_threshold"](share * most, beta, most) for share in (0.0, 0.5, 1.0)]
         assert np.allclose(at, [beta, (beta + most) / 2, most])
 
 
 @pytest.mark.asserts("eq-1-6", "eq-1-7")
-def test_an_interval_of_hues_holds_both_its_limits_and_nothing_beyond(hsl, rng):
+def test_an_interval_of_hues_holds_both_its_limits_and_nothing_beyond(rng):
     for low, width in rng.integers((0, 1), (360, 300), (40, 2)):
         inside = (low + np.arange(width + 1)) % 360
         outside = np.setdiff1d(np.arange(360), inside)
         limits = float(low), float((low + width) % 360)
-        assert hsl["hue_mask"](inside.astype(float), *limits).all()
-        assert not hsl["hue_mask"](outside.astype(float), *limits).any()
+        assert HSL["hue_mask"](inside.astype(float), *limits).all()
+        assert not HSL["hue_mask"](outside.astype(float), *limits).any()
 
 
 @pytest.mark.asserts("eq-1-5")
-def test_at_the_factor_of_the_light_that_the_equation_gives_a_lightness_is_its_own_threshold(hsl):
+def test_at_the_factor_of_the_light_that_the_equation_gives_a_lightness_is_its_own_threshold():
     for lightness, mean in ((255.0, 119.3), (152.0, 119.3), (200.0, 60.0)):
         factor = 120 / (lightness - (255 - 120) * mean / 255)
-        assert np.isclose(hsl["white_threshold"](factor * mean), factor * lightness)
+        assert np.isclose(HSL["white_threshold"](factor * mean), factor * lightness)

@@ -105,16 +105,10 @@ def test_rubric_4_a_lesson_imports_public_names_of_the_students_side(name):
 def test_rubric_4_the_folded_imports_are_announced_and_hide_no_exercise(name):
     ((_, cell),) = lesson_text.code_cells(solved(name), "setup")
     assert cell.source.startswith("# Set-up: ")  # the only line of it that JupyterLab shows
-    imported = [
-        alias.asname or alias.name
-        for node in ast.parse(cell.source).body
-        if isinstance(node, ast.Import | ast.ImportFrom)
-        for alias in node.names
-    ]
-    exercises = {
-        lesson_text.exercise_name(each) for _, each in lesson_text.code_cells(solved(name), "exercise")
-    }
-    assert "*" not in imported and not exercises & set(imported)
+    imports = [each for each in ast.parse(cell.source).body if isinstance(each, ast.Import | ast.ImportFrom)]
+    imported = {alias.asname or alias.name for node in imports for alias in node.names}
+    exercises = (each for _, each in lesson_text.code_cells(solved(name), "exercise"))
+    assert not imported & {"*", *map(lesson_text.exercise_name, exercises)}
 
 
 @each_lesson
@@ -147,22 +141,17 @@ def test_rubric_6_difficulty_never_falls_and_the_text_says_it(name):
 
 @each_lesson
 def test_rubric_7_a_check_stands_directly_after_its_exercise(name):
-    code = [cell for _, cell in lesson_text.code_cells(solved(name))]
-    for cell, after in pairwise(code):
+    for cell, after in pairwise(cell for _, cell in lesson_text.code_cells(solved(name))):
         if lesson_text.role(cell) == "exercise":
-            assert (lesson_text.role(after), lesson_text.exercise_name(after)) == (
-                "check",
-                lesson_text.exercise_name(cell),
-            )
+            assert lesson_text.role(after) == "check"
+            assert lesson_text.exercise_name(after) == lesson_text.exercise_name(cell)
 
 
 @cache
 def asserted_equations():
     """Numbers of equations that some test says it asserts."""
-    found = set()
-    for path in (PROJECT / "tests").rglob("test_*.py"):
-        found |= set(re.findall(r"pytest\.mark\.asserts\(([^)]*)\)", path.read_text(encoding="utf-8")))
-    return {label for each in found for label in re.findall(r"eq-[\w-]+", each)}
+    sources = "".join(each.read_text(encoding="utf-8") for each in (PROJECT / "tests").rglob("test_*.py"))
+    return set(re.findall(r"eq-[\w-]+", "".join(re.findall(r"pytest\.mark\.asserts\(([^)]*)\)", sources))))
 
 
 @each_lesson
@@ -187,16 +176,11 @@ def test_rubric_12_a_panel_or_question_leaves_words_where_no_widget_lives(name):
 def ends_with_a_panel(cell):
     """Return whether a cell's last line shows a panel: a class, or a function such as mask_panel, or its result."""
     *before, last = ast.parse(lesson_text.python(cell)).body
-    values = {
-        target.id: each.value
-        for each in before
-        if isinstance(each, ast.Assign)
-        for target in each.targets
-        if isinstance(target, ast.Name)
-    }
+    assigned = [each for each in before if isinstance(each, ast.Assign)]
+    values = {getattr(target, "id", ""): each.value for each in assigned for target in each.targets}
     shown = last.value if isinstance(last, ast.Expr) else None
     shown = values.get(shown.id) if isinstance(shown, ast.Name) else shown
-    made = shown.func if isinstance(shown, ast.Call) else None
+    made = getattr(shown, "func", None)
     return bool(re.search(r"(Panel|Dial|_panel|_dial)$", getattr(made, "id", getattr(made, "attr", ""))))
 
 
@@ -260,16 +244,10 @@ def test_rubric_15_it_ends_with_what_is_built_what_is_missing_and_references(nam
     assert len(re.findall(r"^- ", references, re.MULTILINE)) >= 3
 
 
-def payoff_of(notebook):
-    """The cell that draws the figure of the lesson's beginning, and its place."""
-    (found,) = lesson_text.code_cells(notebook, "payoff")
-    return found
-
-
 @each_lesson
 def test_rubric_19_it_opens_with_the_picture_that_the_students_code_draws_at_its_end(name):
     notebook = executed(name)
-    place, cell = payoff_of(notebook)
+    ((place, cell),) = lesson_text.code_cells(notebook, "payoff")
     shown = "".join(str(output.get("data", {}).get("text/html", "")) for output in cell.outputs)
     ((kind, data),) = re.findall(r'src="data:image/(\w+);base64,([^"]+)"', shown)
     image = f"images/{name[:2]}_payoff.{kind}"
@@ -338,9 +316,7 @@ def test_rubric_23_what_can_be_found_out_is_answered_in_a_fold(name):
         if re.search(r"things to (try|find)", cell.source, re.IGNORECASE):
             task, answer = cell.source.split("<details>", 1)
             assert "1." in task and "1." in answer
-    assert all(
-        cell.source.count("<details>") == cell.source.count("</details>") for cell in solved(name).cells
-    )
+        assert cell.source.count("<details>") == cell.source.count("</details>")
 
 
 @each_lesson

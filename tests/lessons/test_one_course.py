@@ -35,6 +35,12 @@ def equations():
     return {tag for name in NAMES for tag in re.findall(rf"\\tag\{{({NUMBER})\}}", words(name))}
 
 
+def messages(name):
+    """Return the hints and messages of a lesson's exercises."""
+    for exercise in public(name).exercises:
+        yield from (*exercise.hints, *(mistake.message for mistake in exercise.mistakes))
+
+
 @each_lesson
 def test_each_lesson_that_is_named_is_one_of_the_course(name):
     named = re.findall(r"\blessons? (\d\d)(?:(?:, \d\d)*,? (?:and|to|or) (\d\d))?", words(name))
@@ -50,21 +56,12 @@ def test_what_comes_next_is_the_next_lesson(name):
 
 
 @each_lesson
-def test_exercises_are_quoted_by_numbers_that_they_have(name):
+def test_exercises_and_equations_are_quoted_by_numbers_that_they_have(name):
     declared = {exercise.number for each in NAMES for exercise in public(each).exercises}
     assert numbers(r"[Ee]xercises?", words(name)) <= declared
-
-
-@each_lesson
-def test_equations_are_quoted_by_numbers_that_they_have(name):
     ours = re.sub(r"\b(?:paper|report)'s\b[^.;]*?(?:equations?|sections?)[^;\n]*", "", words(name))
     assert numbers(r"[Ee]quations?", ours) <= equations()
-
-
-@each_lesson
-def test_hints_and_messages_name_equations_of_their_lesson_or_of_an_earlier_one(name):
-    for exercise in public(name).exercises:
-        said = " ".join([*exercise.hints, *(mistake.message for mistake in exercise.mistakes)])
+    for said in messages(name):  # of this lesson or an earlier one
         for number in numbers(r"[Ee]quations?", said):
             assert number in equations() and int(number.partition(".")[0]) <= int(name[:2])
 
@@ -79,20 +76,11 @@ def test_links_of_a_lesson_lead_to_files_beside_it(name):
 
 
 @each_lesson
-def test_transposed_is_written_in_one_way_for_t_is_a_matrix_too(name):
+def test_transposed_is_written_in_one_way_for_t_is_a_matrix_too_and_a_prime_is_after(name):
     assert not re.findall(r".{20}\^\{?T\b.*", words(name)), r"write \top"
-
-
-@each_lesson
-def test_messages_write_transposed_as_the_page_on_notation_says_for_a_prime_is_after(name):
-    said = [
-        text
-        for exercise in public(name).exercises
-        for text in (*exercise.hints, *(mistake.message for mistake in exercise.mistakes))
-    ]
     after = r"(?<![\w'])P' = "  # the covariance after a step
     primed = r"(?<![\w'\"])(?:[A-Zg]|J_\w)'(?= \w| [(+.-]|[,.])"
-    assert not [text for text in said if re.search(primed, re.sub(after, "", text))]
+    assert not [said for said in messages(name) if re.search(primed, re.sub(after, "", said))]
 
 
 def named(colour):

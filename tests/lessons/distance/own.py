@@ -1,16 +1,11 @@
 """The lesson's own functions, for its tests."""
 
-from functools import cache
+from tests.lessons import every
 
-from nao_course.exercises import load_definitions
-from tests.paths import SOLUTIONS
-
-
-@cache
-def own():
-    return load_definitions(SOLUTIONS / "04_distance.ipynb")
+OWN = every.own("04")
+GEOMETRY = {name: OWN[name] for name in ("pixel_to_ground", "ground_to_measurement")}
 
 
-def geometry():
-    """Return the two functions that most figures need."""
-    return {name: own()[name] for name in ("pixel_to_ground", "ground_to_measurement")}
+def polar(pixels, view):
+    """Return bearing and range of pixels, (N, 2)."""
+    return OWN["ground_to_measurement"](OWN["pixel_to_ground"](pixels, view))

@@ -48,7 +48,7 @@ def test_slips_of_the_ground_get_their_messages_alone_and_two_together(slips, sa
     assert all(each in found for each in said), found
 
 
-def searched(unit=1.0, few=None, power=2, ground=False):
+def searched(unit=1.0, few=None, ground=False):
     """Return a student's `estimate_pitch`, a search on a grid, perhaps with slips."""
 
     def estimate_pitch(pixels, ground_points, view):
@@ -57,12 +57,9 @@ def searched(unit=1.0, few=None, power=2, ground=False):
         costs = []
         for offset in grid:
             tilted = replace(view, pitch=view.pitch + offset)
-            misses = (
-                to_ground()(pixels, tilted) - ground_points
-                if ground
-                else tilted.project(ground_points) - pixels
-            )
-            costs.append(np.nansum(np.abs(misses) ** power))
+            on_the_ground = to_ground()(pixels, tilted) - ground_points
+            misses = on_the_ground if ground else tilted.project(ground_points) - pixels
+            costs.append(np.nansum(np.square(misses)))
         return unit * grid[np.argmin(costs)]
 
     return estimate_pitch

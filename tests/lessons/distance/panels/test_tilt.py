@@ -5,12 +5,12 @@ import pytest
 
 from nao_course.lessons.distance.looks import points_covariance
 from nao_course.lessons.distance.panels.tilt import COLOUR, POSE, TiltPanel, upright_picture
-from tests.lessons.distance.own import own
+from tests.lessons.distance.own import OWN, polar
 
 
 def panel(**changed):
     names = ("pixel_to_ground", "ground_to_measurement", "measurement_covariance")
-    return TiltPanel(*(changed.get(name, own()[name]) for name in names))
+    return TiltPanel(*(changed.get(name, OWN[name]) for name in names))
 
 
 def errors(shown):
@@ -32,20 +32,17 @@ def test_sigmas_and_pixel_reach_the_covariance():
 
     def covariance(pixels, view, pixel_sigma, tilt_sigma):
         got.append((pixels[-1].tolist(), pixel_sigma, tilt_sigma))
-        return own()["measurement_covariance"](pixels, view, pixel_sigma, tilt_sigma)
+        return OWN["measurement_covariance"](pixels, view, pixel_sigma, tilt_sigma)
 
     shown = panel(measurement_covariance=covariance)
     shown.set(pixel=(100, 200), sigma=2.0, pixel_sigma=1.5)
     assert got[-1] == ([100, 200], 1.5, pytest.approx(np.radians(2.0)))
 
 
-def test_the_maps_legend_has_a_key_for_the_points():
-    below_the_axes = panel().shown.pictures["Your map"][-50:].astype(int)
-    assert (np.abs(below_the_axes - COLOUR).max(axis=2) < 30).any()
-
-
-def test_a_pixel_above_the_horizon_is_said_to_show_no_ground():
+def test_the_maps_legend_has_a_key_for_the_points_and_a_pixel_above_the_horizon_shows_no_ground():
     shown = panel()
+    below_the_axes = shown.shown.pictures["Your map"][-50:].astype(int)
+    assert (np.abs(below_the_axes - COLOUR).max(axis=2) < 30).any()
     shown.set(pixel=(160, 2))
     assert "above the horizon" in shown.summary()
     shown.set(pixel=(160, 200))
@@ -69,13 +66,10 @@ def test_the_assumed_horizon_is_dotted_into_the_picture_and_moves_with_the_tilt(
 def distances_in_sigmas(tilt):
     """Return how many standard deviations the true landmarks are from the panel's points, with a sigma of 1 degree."""
     look = upright_picture().with_tilt(np.radians(tilt))
-    ground = own()["pixel_to_ground"](look.marks, look.view)
-    full = own()["measurement_covariance"](look.marks, look.view, 0.7, np.radians(1.0))
-    covariances = points_covariance(own()["ground_to_measurement"](ground), full)
-    off = POSE.to_local(look.landmarks) - ground
-    return np.array(
-        [np.sqrt(each @ np.linalg.solve(c, each)) for each, c in zip(off, covariances, strict=True)]
-    )
+    full = OWN["measurement_covariance"](look.marks, look.view, 0.7, np.radians(1.0))
+    covariances = points_covariance(polar(look.marks, look.view), full)
+    off = POSE.to_local(look.landmarks) - OWN["pixel_to_ground"](look.marks, look.view)
+    return np.sqrt([each @ np.linalg.solve(c, each) for each, c in zip(off, covariances, strict=True)])
 
 
 def test_true_landmarks_leave_their_ellipses_where_the_text_says():
