@@ -12,6 +12,7 @@ _HANDLER = """const name = %s[event.key.toLowerCase()];
 if (!name || event.ctrlKey || event.metaKey || event.altKey) return;
 event.preventDefault(); event.stopPropagation();
 const panel = this.closest('.nao-panel'), button = panel.querySelector('.nao-do-' + name);
+if (panel.matches('.jupyter-widgets-disconnected')) return;
 if (!button || button.disabled || (event.repeat && %s.includes(name))) return;
 const period = Number((panel.className.match(/%s(\\d+)/) || [0, %d])[1]), now = event.timeStamp;
 if (event.repeat && now < (this.next || 0)) return;

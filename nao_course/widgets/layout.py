@@ -8,7 +8,8 @@ from nao_course.widgets.parts import box, styles
 
 BESIDE = 1.7  # width / height of all pictures together; controls are below pictures that are wider than that
 # A panel is as wide as its cell, which JupyterLab's file list makes narrower, so the rules go by the panel's own width.
-# Controls are beside a picture where there is room for 480 px of picture, a gap of 16 px and 330 px of controls.
+# Controls are beside a picture where there is room for 414 px of picture, a gap of 16 px and 330 px of controls, such
+# as in JupyterLab with its list of files on a page of 1280 px. A legend alone has its own line below wide pictures.
 _CSS = """
 .nao-laid-out { container-type: inline-size; width: 100%; max-width: 1240px; overflow: visible; }
 .nao-laid-out .nao-body { display: grid; grid-template-columns: minmax(0, 1fr); gap: 6px 16px; align-items: start;
@@ -18,7 +19,8 @@ _CSS = """
 .nao-laid-out .nao-side > * { flex: 1 1 300px; max-width: 100%; margin: 0; overflow: visible; }
 .nao-laid-out .nao-side > .nao-empty { display: none; }
 .nao-laid-out .nao-side > .nao-last { flex-basis: 100%; }
-@container (min-width: 826px) {
+.nao-laid-out:not(.nao-beside) .nao-side > .nao-beside-controls:not(:has(img, table)) { flex-basis: 100%; order: -1; }
+@container (min-width: 760px) {
   .nao-beside .nao-body { grid-template-columns: minmax(0, max-content) minmax(330px, 1fr); }
   .nao-beside .nao-side { flex-flow: column; align-items: stretch; }
   .nao-beside .nao-side > * { flex: 0 0 auto; }

@@ -50,8 +50,8 @@ COMMON_CSS = """
 .nao-panel.jupyter-widgets-disconnected::after { content: "The kernel was restarted, so this panel no longer works. \
 Run its cell again; if a name is missing then, choose Run All Above Selected Cell in the menu Run."; }
 .jp-NotebookPanel:has(.jp-Notebook-ExecutionIndicator:is([data-status=connecting], [data-status=disconnected]))
-  .nao-panel:not(.jupyter-widgets-disconnected)::after { animation: nao-later 3s; content: "The connection to the kernel \
-is lost. Wait a moment: the panel goes on by itself. If it does not, reload this page and run its cell again."; }
+  .nao-panel:not(.jupyter-widgets-disconnected)::after { animation: nao-later 3s; content: "The connection to the \
+kernel is lost. Wait a moment: the panel goes on by itself. If it does not, reload this page and run its cell again."; }
 @keyframes nao-later { 0%, 99% { opacity: 0; } }
 """
 
@@ -76,6 +76,14 @@ panel.naoNames = new MutationObserver(name);
 panel.naoNames.observe(panel, {subtree: true, childList: true, attributes: true,
   attributeFilter: ['aria-valuetext', 'aria-valuenow']});
 name();"""
+# After a click on a button the panel's key field has the keys, so that space plays and does not press the button again.
+_KEYS_AFTER_A_BUTTON = """const panel = this.closest('.nao-panel');
+if (!panel || panel.naoButtons) return;
+panel.naoButtons = true;
+panel.addEventListener('click', event => {
+  const field = event.detail && event.target.closest('button') && panel.querySelector('.nao-keys');
+  if (field) field.focus({preventScroll: true});
+});"""
 
 
 class LabelledImage(anywidget.AnyWidget):
@@ -188,8 +196,10 @@ def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]
 
 
 def styles(own: str, *scripts: str) -> Any:
-    """Return the common and own styles of a panel, and scripts: they confine keys and name sliders."""
-    return ipywidgets.HTML(styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES, *scripts))
+    """Return the common and own styles of a panel, and scripts: they confine keys, name sliders and give back keys."""
+    return ipywidgets.HTML(
+        styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES, _KEYS_AFTER_A_BUTTON, *scripts)
+    )
 
 
 def html_line(text: str, name: str) -> Any:

@@ -101,7 +101,10 @@ const NaoFilm = (() => {
   const button = (words, title, press) => {
     const made = document.createElement("button");
     made.type = "button"; made.textContent = words; made.title = title;
-    made.addEventListener("click", press);
+    made.addEventListener("click", event => {
+      press();
+      if (event.detail) made.closest(".nao-film")?.focus({ preventScroll: true }); // after the mouse, space plays
+    });
     return made;
   };
 
