@@ -7,12 +7,9 @@ import pytest
 from nao_course.datasets import data_folder, files
 
 
-def test_the_environment_variable_names_the_data_folder(tmp_path, monkeypatch):
+def test_the_data_folder_is_named_by_the_environment_variable_or_beside_the_project(tmp_path, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(tmp_path))
     assert data_folder() == tmp_path
-
-
-def test_without_the_variable_the_data_folder_is_beside_the_project(tmp_path, monkeypatch):
     monkeypatch.delenv("NAO_COURSE_DATA", raising=False)
     monkeypatch.setattr(files, "__file__", str(tmp_path / "project" / "nao_course" / "datasets" / "files.py"))
     with pytest.raises(FileNotFoundError, match="NAO_COURSE_DATA is not set"):

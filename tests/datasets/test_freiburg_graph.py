@@ -52,10 +52,7 @@ def edge(number: int, **to: Any) -> Callable[[dict[str, Any]], None]:
         (edge(1, measurement=[1.0, np.nan]), "edge 2: measurement must be finite"),
         (edge(1, measurement=[1.0, 2, 3]), "edge 2: measurement must be .* shape"),
         (edge(0, information=np.eye(2)), "edge 1: information must be .* shape"),
-        (
-            edge(0, information=np.diag([1.0, 1, 0])),
-            "edge 1: the information matrix must be symmetric and positive",
-        ),
+        (edge(0, information=np.diag([1.0, 1, 0])), "edge 1: the information matrix must be symmetric and"),
         (edge(1, information=[[2.0, 1], [0, 2]]), "edge 2: the information matrix must be symmetric"),
         (edge(0, **{"from": 7.5}), "edge 1: the number of a vertex must be an integer"),
         (lambda graph: graph["edges"][0].pop("information"), "edge 1: needs the fields"),

@@ -43,33 +43,20 @@ def write(folder: Path, annotations: Any, name: str = "scenes") -> Path:
     return folder
 
 
-def test_the_reader_gives_back_what_the_file_says(tmp_path):
+def test_the_reader_gives_back_what_the_file_says_in_rgb_rows_first(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     assert picture.name == "scene_001.png"
     assert picture.path == tmp_path / "amsterdam_2013" / "scenes" / "scene_001.png"
     assert picture.pose == Pose(1.0, -2.0, np.radians(270))
     assert (picture.head_yaw, picture.head_pitch) == (0.25, -0.5)
     assert picture.points == (AnnotatedPoint("L", 301.0, 17.5), AnnotatedPoint("post_top", 3.0, 200.0))
-
-
-def test_pixels_are_rgb_rows_first_and_v_is_the_row(tmp_path):
-    (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     assert picture.pixels.shape == (HEIGHT, WIDTH, 3)
     assert picture.pixels.dtype == np.uint8
     point = picture.points[0]
     assert picture.pixels[int(point.v), int(point.u)].tolist() == [255, 0, 0]
 
 
-def test_a_picture_is_read_when_first_asked_for_and_then_kept(tmp_path):
-    (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
-    first = picture.pixels
-    picture.path.unlink()
-    assert picture.pixels is first
-    with pytest.raises(ValueError, match=r"scene_001\.png"):
-        picture.read()
-
-
-def test_a_picture_cannot_be_changed_by_accident_but_read_gives_a_copy_of_ones_own(tmp_path):
+def test_a_picture_is_read_when_first_asked_for_kept_and_cannot_be_changed_by_accident(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     with pytest.raises(ValueError, match="read-only"):
         picture.pixels[0, 0] = 1
@@ -77,6 +64,11 @@ def test_a_picture_cannot_be_changed_by_accident_but_read_gives_a_copy_of_ones_o
         picture.name = "other"  # type: ignore[misc]
     picture.read()[0, 0] = 1
     assert picture.pixels[0, 0].tolist() == [0, 0, 0]
+    first = picture.pixels
+    picture.path.unlink()
+    assert picture.pixels is first
+    with pytest.raises(ValueError, match=r"scene_001\.png"):
+        picture.read()
 
 
 def test_the_larger_version_is_read_where_there_is_one(tmp_path):
@@ -90,12 +82,9 @@ def test_the_larger_version_is_read_where_there_is_one(tmp_path):
     assert picture.read(large=True).shape == (960, 1280, 3)
 
 
-def test_a_picture_without_points_is_a_picture(tmp_path):
+def test_a_picture_without_points_is_a_picture_in_the_folder_of_the_environment(tmp_path, monkeypatch):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry(points=[])]))
     assert picture.points == ()
-
-
-def test_the_environment_variable_names_the_folder_of_the_pictures(tmp_path, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(write(tmp_path, [entry()])))
     assert len(read_pictures("scenes")) == 1
 
@@ -104,29 +93,23 @@ def test_the_environment_variable_names_the_folder_of_the_pictures(tmp_path, mon
     ("changes", "message"),
     [
         ({"file": "../scenes/scene_001.png"}, "plain file name"),
-        ({"file": "/etc/scene.png"}, "plain file name"),
         ({"file": "..\\scene_001.png"}, "plain file name"),
         ({"file": "C:scene_001.png"}, "plain file name"),
         ({"file": "scene_001.png\0.png"}, "plain file name"),
         ({"file": "annotations.json"}, "png"),
         ({"file": "x" * 1000 + ".png"}, "file must be"),
         ({"file": 7}, "file must be"),
-        ({"file": ...}, "file must be"),
         ({"file": "scene_002.png"}, "no such picture"),
         ({"x_m": "1.0"}, "x_m must be a number"),
-        ({"x_m": True}, "x_m must be a number"),
         ({"x_m": ...}, "x_m must be a number.*nothing"),
         ({"y_m": [1.0]}, "y_m must be a number.*a list of 1"),
         ({"y_m": 10**400}, "y_m must be a number"),
         ({"theta_deg": None}, "theta_deg must be a number"),
         ({"head_pitch_rad": -31.0}, "head_pitch_rad must be a number"),
-        ({"head_yaw_rad": {}}, "head_yaw_rad must be a number"),
         ({"points": ...}, "points must be a list"),
-        ({"points": {}}, "points must be a list"),
         ({"points": [{"kind": "X", "u": 1, "v": 1}] * 2000}, "points must be a list of at most 1000"),
         ({"points": [[1, 2]]}, "point 0: expected an object"),
         ({"points": [{"kind": "Y", "u": 1, "v": 1}]}, "point 0: kind must be one of"),
-        ({"points": [{"kind": [], "u": 1, "v": 1}]}, "point 0: kind must be one of"),
         ({"points": [{"kind": "X", "u": 1, "v": 1}, {"kind": "X", "u": 1}]}, "point 1: v must be a number"),
         ({"points": [{"kind": "X", "u": 1e9, "v": 1}]}, "point 0: u must be a number"),
     ],
@@ -143,11 +126,9 @@ def test_a_wrong_entry_is_refused_with_the_file_and_the_entrys_number(tmp_path, 
     [
         ("", "empty"),
         ("[]", "list of 1"),
-        ("{}", "list of 1"),
         ("null", "list of 1"),
         ("[1]", "entry 0: expected an object"),
         ("[{", "is not JSON"),
-        ("\x00\x01", "is not JSON"),
         ("[" * 200_000, "nested too deeply|is not JSON"),
         ("[" + "9" * 10_000 + "]", "is not JSON"),
         ("[" + "0," * 20_000 + "0]", "list of 1"),

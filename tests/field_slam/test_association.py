@@ -1,7 +1,5 @@
 """Joint association of a picture's measurements with the landmarks of a map."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.stats import chi2
@@ -22,15 +20,11 @@ def test_joint_association_succeeds_although_a_tilt_has_moved_all_measurements()
     assert indices.tolist() == [0, 1, 2, 3]
 
 
-def test_a_measurement_goes_to_no_landmark_of_another_kind():
+def test_a_landmark_is_taken_by_one_measurement_of_its_kind_at_most():
     state = np.array([0.0, 0.0, 0.0, 2.0, 0.0])
     seen = as_observation([Measurement(0.0, 2.0, "post")])
     found = associate_jointly(state, np.eye(5) * 1e-4, ["corner"], seen, seen.covariance, 4.0)
     assert found.tolist() == [-1]
-
-
-def test_a_landmark_is_taken_by_one_measurement_at_most():
-    state = np.array([0.0, 0.0, 0.0, 2.0, 0.0])
     seen = as_observation([Measurement(0.0, 2.0), Measurement(0.01, 2.0)])
     found = associate_jointly(state, np.eye(5) * 1e-4, ["corner"], seen, seen.covariance, 4.0)
     assert sorted(found.tolist()) == [-1, 0]
@@ -39,10 +33,8 @@ def test_a_landmark_is_taken_by_one_measurement_at_most():
 def with_uncertain_heading(bearings, measured, measurement_sigma) -> list[int]:
     """Associate bearings with landmarks 2 m away; the heading is uncertain by 0.1 rad, everything else is known."""
     marks = 2 * np.column_stack([np.cos(bearings), np.sin(bearings)])
-    state, covariance = (
-        np.concatenate([np.zeros(3), marks.ravel()]),
-        np.diag([1e-8, 1e-8, 1e-2] + [1e-8] * marks.size),
-    )
+    state = np.concatenate([np.zeros(3), marks.ravel()])
+    covariance = np.diag([1e-8, 1e-8, 1e-2] + [1e-8] * marks.size)
     R = np.diag([measurement_sigma**2, 1e-2] * len(measured))
     seen = [Measurement(float(bearing), 2.0) for bearing in measured]
     return associate_jointly(state, covariance, ["corner"] * len(marks), seen, R, 4.0).tolist()

@@ -1,7 +1,5 @@
 """Body tilt and heading from the lines of a picture."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -36,18 +34,13 @@ def test_exact_lines_give_the_tilt_and_the_heading(tilt):
     assert (found.pitch, found.roll) == pytest.approx(tilt, abs=np.radians(0.25))
 
 
-def test_without_lines_the_tilt_keeps_the_covariance_of_the_prior():
+def test_a_prior_may_be_given_as_a_covariance_and_stays_without_lines():
     found = estimate_body_tilt(np.zeros((0, 4)), VIEW)
     assert (found.pitch, found.roll) == (0.0, 0.0)
     assert np.degrees(np.sqrt(found.covariance[0, 0])) == pytest.approx(1.3)
-
-
-def test_a_prior_may_be_given_as_a_covariance():
     lines, view = lines_in(tilted(VIEW, 0.02, -0.01), POSE), replace(VIEW, k1=0.0)
-    as_sigmas, as_covariance = (
-        estimate_body_tilt(lines, view),
-        estimate_body_tilt(lines, view, np.diag(np.square(TILT_SIGMAS))),
-    )
+    as_sigmas = estimate_body_tilt(lines, view)
+    as_covariance = estimate_body_tilt(lines, view, np.diag(np.square(TILT_SIGMAS)))
     assert as_covariance.pitch == pytest.approx(as_sigmas.pitch)
     assert np.allclose(as_covariance.covariance, as_sigmas.covariance)
     correlated = np.array([[4e-4, 2e-4], [2e-4, 3e-4]])
@@ -71,9 +64,8 @@ def test_support_is_the_length_of_lines_that_agree_less_that_of_others():
     metres = [np.column_stack([r * np.cos(b), r * np.sin(b)]) for b, r in (each.T for each in ends)]
     length = np.linalg.norm(metres[1] - metres[0], axis=1).sum()
     assert support(lines, view, tilt) == pytest.approx(length, rel=0.02)
-    assert support(lines, view, replace(tilt, direction=tilt.direction + 0.3)) == pytest.approx(
-        -length, rel=0.02
-    )
+    turned = replace(tilt, direction=tilt.direction + 0.3)
+    assert support(lines, view, turned) == pytest.approx(-length, rel=0.02)
 
 
 def test_a_piece_of_a_circle_is_no_compass_where_lines_must_agree():

@@ -1,7 +1,5 @@
 """Drives over the half field: their odometry and the way they take."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -10,13 +8,13 @@ from nao_course.geometry import Pose, wrap_angle
 from nao_course.slam import Motion
 
 
-def test_odometry_is_a_tenth_of_the_way_and_of_the_turn():
+def test_odometry_is_a_tenth_of_the_way_and_of_the_turn_alike_to_both_sides():
     sd = np.sqrt(np.diag(OdometryNoisePerMove().covariance(Motion(1.0, 0.5))))
     assert sd == pytest.approx([0.101, 0.051, 0.05 + np.radians(1)])
-    assert np.allclose(
-        OdometryNoisePerMove(factor=2.0).covariance(Motion(1.0)),
-        4 * OdometryNoisePerMove().covariance(Motion(1.0)),
-    )
+    double, single = (OdometryNoisePerMove(factor=each).covariance(Motion(1.0)) for each in (2.0, 1.0))
+    assert np.allclose(double, 4 * single)
+    covariances = [OdometryNoisePerMove().covariance(Motion(d, t)) for d in (0.5, -0.5) for t in (0.7, -0.7)]
+    assert np.allclose(covariances, covariances[0])
 
 
 def test_a_drive_is_long_turns_and_stays_on_the_field():
@@ -31,13 +29,19 @@ def test_a_drive_is_long_turns_and_stays_on_the_field():
         assert abs(wrap_angle(start_of(seed).theta)) < np.pi / 2
 
 
-def test_room_ends_at_the_edge():
+def test_room_ends_at_the_edge_where_a_robot_stops():
     assert room_ahead(np.array([1.0, 0.0, 0.0]), 0.3) == 0.3
     assert room_ahead(np.array([INSIDE[1][0] - 0.1, 0.0, 0.0]), 0.3) == pytest.approx(0.1)
     assert room_ahead(np.array([1.0, INSIDE[0][1], -np.pi / 2]), 0.3) == pytest.approx(0)
     assert room_ahead(np.array([1.0, INSIDE[1][1] + 0.2, np.pi / 2]), 0.3) == 0  # beyond the edge, outwards
     slanted = room_ahead(np.array([1.0, INSIDE[1][1] - 0.1, np.pi / 6]), 0.3)
     assert slanted == pytest.approx(0.2)
+    for pose, room in (
+        (Pose(2.65, 0.0, 0.0), 0.1),
+        (Pose(1.0, -1.75, -np.pi / 2), 0.0),
+        (Pose(0.35, 1.0, np.pi), 0.1),
+    ):
+        assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(room, abs=1e-9)
 
 
 def test_a_new_goal_needs_a_turn_of_more_than_30_degrees_and_a_move_turns_by_at_most_50():
@@ -50,17 +54,3 @@ def test_a_new_goal_needs_a_turn_of_more_than_30_degrees_and_a_move_turns_by_at_
 def test_a_robot_with_room_ahead_walks_a_whole_step_in_every_direction(degrees):
     pose = Pose(1.5, 0.0, np.radians(degrees))
     assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(STEP)
-
-
-def test_a_robot_stops_at_the_edge():
-    for pose, room in (
-        (Pose(2.65, 0.0, 0.0), 0.1),
-        (Pose(1.0, -1.75, -np.pi / 2), 0.0),
-        (Pose(0.35, 1.0, np.pi), 0.1),
-    ):
-        assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(room, abs=1e-9)
-
-
-def test_odometry_errs_alike_to_both_sides_ahead_and_back():
-    covariances = [OdometryNoisePerMove().covariance(Motion(d, t)) for d in (0.5, -0.5) for t in (0.7, -0.7)]
-    assert np.allclose(covariances, covariances[0])

@@ -1,7 +1,5 @@
 """Several hypotheses about the association: their likelihoods, when they appear, and how they are decided."""
 
-from __future__ import annotations
-
 from copy import deepcopy
 
 import numpy as np
@@ -40,13 +38,9 @@ def seen_from(pose: Pose, corners=CORNERS, compass=float("inf"), lines=()) -> Li
     seen = observation(
         found, (1e-3, 1e-3), direction=float(wrap_quarter(-pose.theta)), direction_sigma=compass
     )
+    lines = np.array(lines, dtype=float).reshape(-1, 3)
     return LineObservation(
-        seen.measurements,
-        seen.covariance,
-        seen.direction,
-        compass,
-        seen.tilt,
-        lines=np.array(lines, dtype=float).reshape(-1, 3),
+        seen.measurements, seen.covariance, seen.direction, compass, seen.tilt, lines=lines
     )
 
 
@@ -60,7 +54,7 @@ def joint(ekf):
     return JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
 
 
-# --- likelihoods ---
+other = alone = joint  # a second filter like the first
 
 
 def test_the_gaussian_log_density_is_scipys(rng):
@@ -94,12 +88,13 @@ def test_what_is_ignored_counts_whether_or_not_the_map_explains_it():
         assert ignored == pytest.approx(landmark_log_densities(seen, [False] * 4)[0] + 4 * np.log(IGNORED))
     assert line_log_densities(2, 1, 2, 1)[0] == 0.0 > line_log_densities(2, 1, 1, 1)[0]
     assert compass_log_densities(0.1, float("inf")) == (0.0, 0.0)
+    expected = 2 * np.log(IGNORED * LINES) + np.log(IGNORED * CIRCLES)
+    assert line_log_densities(2, 1, 2, 1)[1] == pytest.approx(expected)
 
 
 def test_the_likelihood_of_the_rest_of_a_picture_is_that_of_a_filter_that_never_saw_the_ignored_part(
-    joint, ekf
+    joint, other
 ):
-    other = JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
     line = (2.0, 0.3, np.pi / 2)
     for each in (joint, other):
         each.observe(seen_from(START, compass=0.01, lines=[line]))
@@ -116,11 +111,7 @@ def test_the_likelihood_of_the_rest_of_a_picture_is_that_of_a_filter_that_never_
     assert likelihood.log_density() > likelihood.log_density(["landmarks"])
 
 
-# --- hypotheses ---
-
-
-def test_clear_pictures_keep_one_hypothesis_which_is_the_filter_itself(joint, ekf):
-    alone = JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+def test_clear_pictures_keep_one_hypothesis_which_is_the_filter_itself(joint, alone):
     many, pose = MultipleHypotheses(joint), START
     for each in (many, alone):
         pose = START
@@ -148,8 +139,7 @@ def lost_by_a_twin(slam) -> Pose:
     return pose
 
 
-def test_a_wrong_association_is_taken_back_when_later_pictures_contradict_it(joint, ekf):
-    alone = JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+def test_a_wrong_association_is_taken_back_when_later_pictures_contradict_it(joint, alone):
     many = MultipleHypotheses(joint)
     pose = lost_by_a_twin(alone)
     lost_by_a_twin(many)
@@ -162,8 +152,7 @@ def test_a_wrong_association_is_taken_back_when_later_pictures_contradict_it(joi
     assert np.hypot(*alone.estimate().pose.as_array()[:2] - pose.as_array()[:2]) > 0.1
 
 
-def test_a_turn_that_is_wrong_by_more_than_the_compass_can_tell_is_recognised_by_the_landmarks(joint, ekf):
-    alone = JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+def test_a_turn_that_is_wrong_by_more_than_the_compass_can_tell_is_recognised_by_the_landmarks(joint, alone):
     many, true = MultipleHypotheses(joint), Pose(0.0, 0.0, 1.7)
     for each in (many, alone):
         each.observe(seen_from(START))
@@ -187,15 +176,11 @@ def test_the_odds_of_ignoring_landmarks_are_those_of_the_likelihoods(joint):
     ignoring.observe(without(second, ["landmarks"]))
     expected = used.likelihood.log_density() - used.likelihood.log_density(["landmarks"])
     many.observe(second)
-    found = [
-        next(
-            each.log_probability
-            for each in many.hypotheses
-            if np.allclose(each.slam.inner.state, of.inner.state)
-        )
-        for of in (used, ignoring)
-    ]
-    assert found[0] - found[1] == pytest.approx(expected, abs=0.01)
+    odds = []
+    for of in (used, ignoring):
+        alike = (each for each in many.hypotheses if np.allclose(each.slam.inner.state, of.inner.state))
+        odds.append(next(alike).log_probability)
+    assert odds[0] - odds[1] == pytest.approx(expected, abs=0.01)
 
 
 def test_probabilities_add_up_and_no_more_than_the_most_are_kept(joint):
@@ -242,11 +227,6 @@ def test_the_pose_covariance_contains_the_distance_of_the_hypotheses_and_equal_o
     three = [Hypothesis(float(np.log(p)), moved(joint, x)) for p, x in ((0.4, 0.4), (0.3, 0.0), (0.3, 1e-4))]
     kept = many._most_probable(three)
     assert np.exp([each.log_probability for each in kept]) == pytest.approx([0.6, 0.4])
-
-
-def test_ignored_lines_and_circles_cost_more_than_new_ones():
-    expected = 2 * np.log(IGNORED * LINES) + np.log(IGNORED * CIRCLES)
-    assert line_log_densities(2, 1, 2, 1)[1] == pytest.approx(expected)
 
 
 def test_a_reading_halfway_between_two_headings_keeps_both(joint):

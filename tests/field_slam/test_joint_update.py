@@ -1,7 +1,5 @@
 """The joint update: lines and the centre circle as landmarks, and the tilt that all measurements share."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -35,10 +33,8 @@ def pieces(pose: Pose, number: int = 12, length: float = 0.12, part: float = 2 *
     """Short chords of the centre circle, as they are in a picture from a pose; those in sight."""
     middles = pose.theta + np.pi + np.linspace(-part / 2, part / 2, number, endpoint=False)
     half = np.arcsin(length / 2 / RADIUS)
-    ends = [
-        VIEW.project(RADIUS * np.column_stack([np.cos(a), np.sin(a)]), pose)
-        for a in (middles - half, middles + half)
-    ]
+    around = (RADIUS * np.column_stack([np.cos(a), np.sin(a)]) for a in (middles - half, middles + half))
+    ends = [VIEW.project(each, pose) for each in around]
     inside = VIEW.contains(ends[0]) & VIEW.contains(ends[1])
     return np.hstack(ends)[inside]
 
@@ -71,19 +67,10 @@ def slam(own):
     )
 
 
-# --- what a picture shows ---
-
-
 @pytest.mark.parametrize("pose", [Pose(1.3, 0.1, np.pi), Pose(-1.5, -0.4, 0.3), Pose(0.9, 0.9, -2.3)])
-def test_pieces_of_the_circle_tell_its_middle(pose):
-    found = find_circle(pieces(pose), VIEW)
-    assert np.allclose(found.centre, pose.to_local(np.zeros((1, 2)))[0], atol=0.006)
-
-
-def test_it_does_not_matter_which_end_of_a_piece_comes_first():
-    seen, pose = pieces(Pose(1.3, 0.1, np.pi)), Pose(1.3, 0.1, np.pi)
+def test_pieces_of_the_circle_tell_its_middle_whichever_end_comes_first(pose):
     for order in ([2, 3, 0, 1], [0, 1, 2, 3]):
-        found = find_circle(seen[:, order], VIEW)
+        found = find_circle(pieces(pose)[:, order], VIEW)
         assert np.allclose(found.centre, pose.to_local(np.zeros((1, 2)))[0], atol=0.006)
 
 
@@ -103,7 +90,7 @@ def test_two_pieces_or_pieces_side_by_side_or_of_a_straight_line_tell_none():
     assert find_circle(np.zeros((0, 4)), VIEW) is None
 
 
-def test_lines_along_the_fields_directions_are_kept_and_others_are_not():
+def test_lines_along_the_fields_directions_are_kept_and_of_contradicting_ones_the_longer_count():
     ahead, slanted, short = [(1.0, -0.4, 1.0, 0.4)], [(1.0, -0.4, 1.2, 0.4)], [(1.0, -0.1, 1.0, 0.1)]
     pixels = [VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in (ahead, slanted, short)]
     found = field_lines(np.vstack(pixels), SQUARE, VIEW)
@@ -111,6 +98,10 @@ def test_lines_along_the_fields_directions_are_kept_and_others_are_not():
     assert float(wrap_quarter(found[0, 2])) == pytest.approx(0.0, abs=1e-9)
     horizon = np.array([[10.0, 1.0, 300.0, 2.0]])
     assert not len(field_lines(horizon, SQUARE, tilted(VIEW, -0.5, 0.0)))
+    # The last one is 28 degrees off
+    lines = [(1.0, -0.7, 1.0, 0.7), (1.6, -0.7, 1.6, 0.7), (1.2, 0.0, 1.5, 0.16)]
+    pixels = np.vstack([VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in lines])
+    assert np.degrees(estimate_body_tilt(pixels, VIEW).direction) == pytest.approx(0.0, abs=0.2)
 
 
 @pytest.mark.parametrize(
@@ -127,40 +118,23 @@ def test_a_line_that_is_short_in_the_picture_or_far_away_is_not_kept(ends, kept)
     assert len(field_lines(pixels, SQUARE, VIEW)) == kept
 
 
-def test_the_nearest_point_of_a_line_is_on_the_part_that_is_seen():
+def test_a_line_is_seen_at_its_nearest_point_if_there_is_a_compass():
     pixels = VIEW.project(np.array([(1.2, 0.2), (1.2, 0.8)])).reshape(1, 4)  # its foot, (1.2, 0), is not seen
     assert np.allclose(field_lines(pixels, SQUARE, VIEW)[0, :2], (1.2, 0.2), atol=1e-6)
-
-
-def test_a_picture_without_a_compass_shows_no_lines():
     pixels = VIEW.project(np.array([(1.0, -0.4), (1.0, 0.4)])).reshape(1, 4)
     for sigma, number in ((0.01, 1), (np.inf, 0)):
         assert len(scene(observation([], direction_sigma=sigma), SQUARE, pixels, VIEW).lines) == number
 
 
-def test_a_short_piece_bends_no_compass():
+@pytest.mark.parametrize("length", [0.25, 0.15])
+@pytest.mark.parametrize("degrees", [80.0, 83.0, 97.0])
+def test_a_short_piece_bends_no_compass(length, degrees):
     """A tilt of a degree or two would make it perpendicular to the long line, but it is a segment of the circle."""
-    view = VIEW
-    long = view.project(np.array([(1.4, -0.7), (1.4, 0.7)])).reshape(1, 4)
-    alone = estimate_body_tilt(long, view)
-    for length in (0.25, 0.15):
-        for degrees in (80.0, 83.0, 97.0):
-            way = length / 2 * np.array([np.cos(np.radians(degrees - 90)), np.sin(np.radians(degrees - 90))])
-            piece = view.project(np.array([(1.1, 0.2) - way, (1.1, 0.2) + way])).reshape(1, 4)
-            both = estimate_body_tilt(np.vstack([long, piece]), view)
-            assert both.direction == pytest.approx(alone.direction) and both.pitch == pytest.approx(
-                alone.pitch
-            )
-
-
-def test_of_lines_that_contradict_each_other_the_longer_ones_count():
-    # The last one is 28 degrees off
-    lines = [(1.0, -0.7, 1.0, 0.7), (1.6, -0.7, 1.6, 0.7), (1.2, 0.0, 1.5, 0.16)]
-    pixels = np.vstack([VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in lines])
-    assert np.degrees(estimate_body_tilt(pixels, VIEW).direction) == pytest.approx(0.0, abs=0.2)
-
-
-# --- what a filter makes of it ---
+    long = VIEW.project(np.array([(1.4, -0.7), (1.4, 0.7)])).reshape(1, 4)
+    way = length / 2 * np.array([np.cos(np.radians(degrees - 90)), np.sin(np.radians(degrees - 90))])
+    piece = VIEW.project(np.array([(1.1, 0.2) - way, (1.1, 0.2) + way])).reshape(1, 4)
+    alone, both = estimate_body_tilt(long, VIEW), estimate_body_tilt(np.vstack([long, piece]), VIEW)
+    assert (both.direction, both.pitch) == pytest.approx((alone.direction, alone.pitch))
 
 
 def test_the_jacobian_of_a_point_is_that_of_finite_differences(slam):
@@ -182,10 +156,8 @@ def test_the_jacobian_of_a_point_is_that_of_finite_differences(slam):
 @pytest.mark.parametrize("pose", [Pose(1.3, 0.1, np.pi), Pose(0.9, 0.9, -2.3), Pose(-1.5, -0.4, 0.3)])
 def test_the_tilt_jacobian_of_the_circles_centre_is_that_of_finite_differences(pose):
     pixels, step = pieces(pose, 24, 0.2), np.radians(0.1)
-    moved = [
-        find_circle(pixels, tilted(VIEW, *tilt)).centre
-        for tilt in ((step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step))
-    ]
+    tilts = ((step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step))
+    moved = [find_circle(pixels, tilted(VIEW, *tilt)).centre for tilt in tilts]
     numeric = -np.column_stack([moved[0] - moved[1], moved[2] - moved[3]]) / (2 * step)
     assert np.allclose(find_circle(pixels, VIEW).tilt_jacobian, numeric, rtol=0.2, atol=0.3)
 
@@ -248,9 +220,8 @@ def test_the_covariance_of_tilt_and_compass_has_the_right_sign():
         told.append((found.pitch - tilt[0], found.roll - tilt[1], float(wrong), *found.covariance[:2, 2]))
     told = np.array(told)
     for axis in (0, 1):
-        assert np.mean(told[:, axis] * told[:, 2]) == pytest.approx(
-            told[:, 3 + axis].mean(), rel=0.5, abs=2e-5
-        )
+        stated = told[:, 3 + axis].mean()
+        assert np.mean(told[:, axis] * told[:, 2]) == pytest.approx(stated, rel=0.5, abs=2e-5)
 
 
 def test_landmarks_alone_are_corrected_as_the_lessons_filter_does(own, slam):
@@ -299,14 +270,11 @@ def test_a_line_nearer_than_30_cm_to_a_parallel_one_is_not_added_to_the_map(slam
     assert len(mine.inner.kinds) == lines
 
 
-def test_nothing_new_comes_onto_the_map_of_a_robot_that_does_not_know_where_it_is(slam):
+def test_nothing_new_comes_onto_the_map_of_a_lost_robot_and_a_circle_elsewhere_is_none(slam):
     mine = slam(Pose())
     mine.inner.covariance[:2, :2] = 0.2**2 * np.eye(2)
     mine.observe(exact(Pose()))
     assert mine.inner.kinds == []
-
-
-def test_a_circle_that_is_elsewhere_is_none(slam):
     mine, here = slam(Pose(1.0, 0.0, 0.0)), Pose(1.0, 0.0, 0.0)
     mine.observe(exact(here, lines=()))
     before = mine.inner.state.copy()
@@ -324,9 +292,6 @@ def test_a_new_line_does_not_hide_one_that_is_known(slam):
         mine.observe(exact(Pose(1.2, 0.0, 0.0), lines=lines, centre=False))
         spreads.append(mine.inner.covariance[0, 0])
     assert spreads[0] == pytest.approx(spreads[1], rel=1e-3)
-
-
-# --- one tilt moves all measurements ---
 
 
 def seen_by_tilted(pose: Pose, tilt, marks, line=None, circle=False) -> LineObservation:

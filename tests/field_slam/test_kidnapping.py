@@ -1,7 +1,5 @@
 """A robot that is carried away: it notices, stays undecided where it has to, and finds its pose on the map again."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -84,9 +82,6 @@ def mapped(joint):
     return make
 
 
-# --- a robot that nobody carries away ---
-
-
 def test_without_noise_nothing_is_noticed_and_the_filter_is_the_same_as_without_the_wrapper(joint):
     slam, plain, pose = KidnapRecovery(joint(START)), SurestFirst(joint(START)), START
     for _ in range(60):
@@ -133,10 +128,7 @@ def test_nothing_is_tested_before_the_fifteenth_stop(joint):
     assert slam.lost_probability > 0
 
 
-# --- a robot that is carried away ---
-
-
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_a_kidnapping_is_noticed_within_two_stops_and_the_robot_is_back_within_five_more(mapped, seed):
     slam, before = mapped()
     rng = np.random.default_rng(seed)
@@ -169,12 +161,16 @@ def test_the_probabilities_of_the_filter_and_of_all_other_poses_add_up_to_one(ma
     assert slam.kidnappings == 1
 
 
-def test_the_map_does_not_change_while_the_robot_is_lost(mapped):
+def test_the_map_does_not_change_while_a_robot_on_a_symmetric_map_stays_undecided(mapped):
     slam, _ = mapped(SYMMETRIC, Pose(0.0, -0.6, 0.0), AROUND)
     known = slam.estimate().landmarks
     drive(slam, CARRIED_TO, 3, SYMMETRIC)
     assert slam.lost
     assert np.array_equal(slam.estimate().landmarks, known)
+    for _ in range(3):
+        slam.move(Motion())
+        slam.observe(observation([]))
+        assert slam.lost
 
 
 def test_on_a_symmetric_map_the_robot_stays_undecided_and_says_how_uncertain_it_is(mapped):
@@ -247,18 +243,6 @@ def test_what_was_mapped_between_the_kidnapping_and_the_alarm_is_not_on_the_map_
     assert len(slam.estimate().landmarks) == known
 
 
-def test_a_stop_without_compass_or_landmarks_changes_no_decision(mapped):
-    slam, _ = mapped(SYMMETRIC, Pose(0.0, -0.6, 0.0), AROUND)
-    drive(slam, CARRIED_TO, 2, SYMMETRIC)
-    for _ in range(3):
-        slam.move(Motion())
-        slam.observe(observation([]))
-        assert slam.lost
-
-
-# --- the likelihood of a stop ---
-
-
 def test_the_likelihood_of_a_filter_is_the_average_over_its_gaussian(joint, monkeypatch):
     slam, rng = KidnapRecovery(joint(START)), np.random.default_rng(5)
     pose = drive(slam, START, STOPS)
@@ -320,14 +304,8 @@ def test_a_line_and_the_circle_tell_the_position_across_them():
         (), np.zeros((0, 0)), float(wrap_quarter(-pose.theta)), 0.01, R, lines=lines,
         circle=Circle(centre, np.zeros((2, 2))),
     )  # fmt: skip
-    known = KnownMap(
-        np.zeros((1, 2)),
-        1e-4 * np.eye(2)[None],
-        ("centre",),
-        np.array([0, 1]),
-        np.array([3.0, 0.2]),
-        np.full(2, 1e-4),
-    )
+    centre = np.zeros((1, 2)), 1e-4 * np.eye(2)[None], ("centre",)
+    known = KnownMap(*centre, np.array([0, 1]), np.array([3.0, 0.2]), np.full(2, 1e-4))
     positions = np.array([(1.3, 0.2), (1.3, 0.6), (1.6, 0.2)])
     only_line = replace(seen, circle=None)
     there, aside, nearer = log_likelihood(StopView.of([only_line]), known, pose.theta, positions, 0.05, 1.2)
@@ -336,16 +314,13 @@ def test_a_line_and_the_circle_tell_the_position_across_them():
     assert found[0] > found[1] + 2
 
 
-def test_a_line_that_two_pictures_show_counts_once_and_a_parallel_line_counts_too():
+def test_things_that_two_pictures_show_count_once_and_a_far_compass_not_at_all():
     def scene(*places: float, tilt: float) -> LineObservation:
         lines = np.array([(x, 0.3, np.pi / 2) for x in places])
         return LineObservation((), np.zeros((0, 0)), 0.0, 0.01, tilt * np.eye(2), lines=lines)
 
     stop = StopView.of([scene(1.02, tilt=1e-3), scene(1.0, 1.5, tilt=1e-5)])
     assert sorted(stop.lines[:, 0]) == [1.0, 1.5]
-
-
-def test_two_pictures_of_one_thing_count_once_and_a_far_compass_not_at_all():
     pose = Pose(1.0, 0.4, 0.2)
     one = pictures(pose)
     worse = replace(one, covariance=4 * one.covariance, direction=one.direction + 0.3, direction_sigma=0.02)
@@ -355,9 +330,6 @@ def test_two_pictures_of_one_thing_count_once_and_a_far_compass_not_at_all():
     assert stop.heading == pytest.approx(float(wrap_quarter(pose.theta)))
     again = StopView.of([one, one])
     assert again.heading_sigma == pytest.approx(one.direction_sigma / np.sqrt(2))
-
-
-# --- the grid ---
 
 
 def on_grid(x: float, y: float, quarter: int, heading: float = 0.0) -> PoseGrid:
@@ -394,20 +366,14 @@ def test_a_compass_that_contradicts_the_grid_makes_it_less_likely():
     assert around.heading == pytest.approx(QUARTER + 0.1)
 
 
-def test_compass_likelihoods_average_to_one():
+def test_compass_likelihoods_average_to_one_and_added_probability_is_uniform():
     angles = np.linspace(-QUARTER / 2, QUARTER / 2, 2001)
     each = [compass_likelihood(float(angle), 0.05**2) for angle in angles]
     assert np.mean(each) == pytest.approx(1.0, abs=1e-3)
     assert compass_likelihood(0.3, float("inf")) == 1.0
-
-
-def test_probability_that_is_added_is_uniform():
     grid = on_grid(0.0, 0.0, 1).plus_uniform(0.5)
     assert grid.total == pytest.approx(1.5)
     assert np.ptp(np.sort(grid.weights.ravel())[:-1]) < 1e-15
-
-
-# --- the hook of the filter ---
 
 
 def test_a_filter_that_is_placed_keeps_its_map_and_forgets_what_the_pose_had_to_do_with_it(joint):

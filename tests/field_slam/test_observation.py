@@ -1,7 +1,5 @@
 """Measurements of one picture: their covariance, the body tilt they share, and what follows from them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -38,13 +36,9 @@ def ground(pixels, view) -> np.ndarray:
 def test_the_tilt_jacobian_is_that_of_a_camera_on_a_tilted_body():
     points = np.array([(1.2, 0.4), (2.0, 1.5), (2.8, 0.2)])
     pixels, step = VIEW.project(points), 1e-4
-    differences = [
-        (ground(pixels, tilted(VIEW, *(sign * step for sign in tilt))))
-        for tilt in ((1, 0), (-1, 0), (0, 1), (0, -1))
-    ]
     by_pitch, by_roll = (
-        (differences[0] - differences[1]) / (2 * step),
-        (differences[2] - differences[3]) / (2 * step),
+        (ground(pixels, tilted(VIEW, *tilt)) - ground(pixels, tilted(VIEW, *-tilt))) / (2 * step)
+        for tilt in step * np.eye(2)
     )
     expected = -tilt_jacobian(ground(pixels, VIEW)).reshape(-1, 2, 2)
     # The camera is not above the point about which it tilts, but 5 cm ahead of it.
@@ -59,11 +53,14 @@ def test_a_tilted_view_is_that_of_the_robots_kinematics():
     assert np.allclose(made.rotation, true.rotation) and np.allclose(made.position, true.position)
 
 
-def test_a_covariance_is_the_sum_of_independent_noise_and_a_common_tilt():
+def test_a_covariance_is_independent_noise_and_a_common_tilt_which_a_part_keeps():
     measured = some()
     alone, together = picture_covariance(measured, (0.0, 0.0)), picture_covariance(measured, (0.02, 0.0))
     assert np.allclose(alone, np.diag(np.diag(alone)))
     assert np.linalg.matrix_rank(together - alone, tol=1e-12) == 1
+    seen = as_observation(some(4))
+    assert np.allclose(seen.part([2, 0]).covariance[:2, 2:], seen.covariance[4:6, :2])
+    assert len(seen.part([])) == 0 and seen.part([]).covariance.shape == (0, 0)
 
 
 def test_a_post_is_known_to_its_thickness_and_a_corner_to_a_pixel():
@@ -75,16 +72,13 @@ def test_a_post_is_known_to_its_thickness_and_a_corner_to_a_pixel():
     assert np.allclose(np.diag(more), [(0.02 / 4) ** 2, 0.02**2])
 
 
-def test_the_inverse_range_is_linear_in_the_tilt():
+def test_the_inverse_range_is_linear_in_the_tilt_and_what_is_expected_stays():
     true = np.array([3.0, 2.0])
     for error in (0.02, -0.02):
         measured = 1 / (1 / true + error / CAMERA_HEIGHT)
         seen = as_observation([Measurement(0.0, r) for r in measured])
         values, _ = seen.linearised_at(true)
         assert np.allclose(values[1::2] - true, -(true**2) * error / CAMERA_HEIGHT)
-
-
-def test_what_is_expected_stays_as_it_is():
     seen = as_observation(some())
     values, covariance = seen.linearised_at(seen.values[:, 1])
     assert np.allclose(values, seen.values.ravel()) and np.allclose(covariance, seen.covariance)
@@ -111,12 +105,6 @@ def test_decorrelated_measurements_determine_the_tilt_no_better_than_joint_ones(
     _, R = seen.decorrelated([2.0] * 4)
     together = np.ones(4) @ np.linalg.inv(seen.covariance[1::2, 1::2]) @ np.ones(4)
     assert np.sum(1 / R[:, 1, 1]) == pytest.approx(together, rel=1e-6)
-
-
-def test_a_part_keeps_what_its_measurements_share():
-    seen = as_observation(some(4))
-    assert np.allclose(seen.part([2, 0]).covariance[:2, 2:], seen.covariance[4:6, :2])
-    assert len(seen.part([])) == 0 and seen.part([]).covariance.shape == (0, 0)
 
 
 @pytest.mark.parametrize("distance", [0.4, 1.0, 3.0])

@@ -1,7 +1,5 @@
 """Drives and detectors on fields that are not the field of 2012."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 
@@ -30,11 +28,8 @@ OTHER, GREEN, GOAL, WHITE = range(4)
 @cache
 def solutions():
     """Return the functions that the demo uses, with a filter that only adds up the commanded motions."""
-    names = {
-        "01_hsl_filtering": drive.USES[:2],
-        "02_goalposts": drive.USES[2:3],
-        "11_slam_on_the_field": drive.USES[3:],
-    }
+    uses = drive.USES
+    names = {"01_hsl_filtering": uses[:2], "02_goalposts": uses[2:3], "11_slam_on_the_field": uses[3:]}
     found = {}
     for lesson, uses in names.items():
         solution = load_solution(SOLUTIONS / f"{lesson}.ipynb")
@@ -84,9 +79,6 @@ def test_what_is_wider_than_the_fields_lines_is_no_line(width, found):
     assert upright.any() == found
 
 
-# --- white posts ---
-
-
 def pictures_with_posts():
     """Yield labels of clean pictures towards a goal of 2025, with the columns and rows of the posts' feet."""
     field = Field(2025)
@@ -111,10 +103,12 @@ def test_white_posts_get_the_goals_label_and_lines_and_the_bar_keep_theirs():
     assert counted >= 5
 
 
-def test_yellow_things_are_no_posts_on_a_field_with_white_goals():
+def test_yellow_things_are_no_posts_on_a_field_with_white_goals_nor_white_ones_without_a_horizon():
     labels, _ = next(pictures_with_posts())
     yellow = np.where(labels == WHITE, GOAL, labels).astype(np.uint8)
     assert not (as_goal_colour(yellow, VIEW, RULES) == GOAL).any()
+    down = NAO_V4.view("bottom", 0.0, 0.0)
+    assert not (as_goal_colour(labels, down, RULES) == GOAL).any()
 
 
 def strip(foot, wide, carpet_until):
@@ -140,15 +134,6 @@ def test_only_what_is_as_wide_as_a_post_and_stands_on_the_carpet_is_a_post(foot,
     assert (marked == GOAL).any() == is_post
 
 
-def test_a_camera_that_does_not_see_the_horizon_finds_no_white_post():
-    down = NAO_V4.view("bottom", 0.0, 0.0)
-    labels, _ = next(pictures_with_posts())
-    assert not (as_goal_colour(labels, down, RULES) == GOAL).any()
-
-
-# --- the demo ---
-
-
 @pytest.mark.parametrize(
     ("name", "kinds"), [("2013", {"corner", "post"}), ("2025", {"corner", "post"}), ("lab", {"corner"})]
 )
@@ -159,7 +144,7 @@ def test_the_demo_measures_what_a_field_has(name, kinds):
     assert {each.kind for seen in story.seen for each in seen} == kinds
 
 
-def test_yellow_posts_are_not_looked_for_on_a_field_without_goals():
+def test_the_demo_says_what_differs_on_a_field_and_looks_for_posts_only_where_there_are_goals():
     def fail(*given):
         raise AssertionError("called")
 
@@ -168,9 +153,6 @@ def test_yellow_posts_are_not_looked_for_on_a_field_without_goals():
     assert len(drive.see(functions, pixels, VIEW, rules=LAB.dimensions)) == 0
     with pytest.raises(AssertionError, match="called"):
         drive.see(functions, pixels, VIEW)
-
-
-def test_the_demo_says_what_differs_on_a_field():
     assert report.field_in_words(Field(2012)) == []
     assert "white" in report.field_in_words(Field(2025))[0]
     assert "no goals" in report.field_in_words(LAB)[0]

@@ -27,35 +27,29 @@ def third(monkeypatch):
 @pytest.mark.parametrize(
     "noise_of", [lambda seen: observation([seen]), lambda seen: picture_covariance([seen])]
 )
-def test_the_noise_of_a_third_kind_is_not_that_of_a_corner_or_post(third, noise_of):
+def test_a_third_kind_has_neither_noise_nor_radius_until_somebody_says_which(third, noise_of):
     with pytest.raises(AssertionError, match="flag"):
         noise_of(third)
-
-
-def test_a_third_kind_has_no_radius_until_somebody_says_which(third):
     assert [radius_of(kind) for kind in get_args(slam.LandmarkKind)] == [0.0, 0.05]
     with pytest.raises(AssertionError, match="flag"):
         radius_of(third.kind)
 
 
-def test_a_third_kind_is_not_drawn_as_another(third):
+def test_a_third_kind_is_not_drawn_as_another_nor_left_out(third, monkeypatch):
     axes = Figure().add_subplot()
     with pytest.raises(ValueError, match="flag"):
         plot_landmarks(np.zeros((1, 2)), ["flag"], axes)
     with pytest.raises(KeyError, match="flag"):
         plot_measurements([third], Pose(), axes)
+    mark = VisibleLandmark(Landmark(0.0, 0.0, "post", "post"), (5.0, 5.0), 1.0, 0.0, False)
+    monkeypatch.delitem(_MARKS, "post")
+    with pytest.raises(ValueError, match="post"):
+        draw_picture(np.zeros((10, 10, 3), np.uint8), [mark])
 
 
 def test_all_kinds_of_marks_have_a_marker_on_maps_and_in_pictures():
     assert set(LANDMARK_MARKERS) == set(get_args(MarkKind)) == set(_MARKS) - {"hidden", "point"}
     assert set(slam.KINDS) == set(get_args(slam.LandmarkKind)) < set(LANDMARK_MARKERS)
-
-
-def test_a_third_kind_in_a_picture_is_not_left_out(monkeypatch):
-    mark = VisibleLandmark(Landmark(0.0, 0.0, "post", "post"), (5.0, 5.0), 1.0, 0.0, False)
-    monkeypatch.delitem(_MARKS, "post")
-    with pytest.raises(ValueError, match="post"):
-        draw_picture(np.zeros((10, 10, 3), np.uint8), [mark])
 
 
 def test_each_point_that_people_mark_is_of_one_shape_or_not_on_the_ground():

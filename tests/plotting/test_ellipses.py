@@ -45,15 +45,7 @@ def test_what_is_a_covariance_does_not_depend_on_the_unit(unit):
     sound, none = np.array([[1.0, 0.9], [0.9, 1.0]]), np.array([[1.0, 1.1], [1.1, 1.0]])
     outlines = ellipse_outlines(np.zeros((2, 2)), unit**2 * np.array([sound, none]))
     assert np.isfinite(outlines[0]).all() and np.isnan(outlines[1]).all()
-
-
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (lambda: ellipse_outlines([0, 0], [np.eye(2)], probability=95), "between 0 and 1"),
-        (lambda: plot_ellipse([0, 0], np.eye(3), Figure().add_subplot()), r"\(2, 2\)"),
-    ],
-)
-def test_a_wrong_value_is_refused_in_words(call, said):
-    with pytest.raises(ValueError, match=said):
-        call()
+    with pytest.raises(ValueError, match="between 0 and 1"):
+        ellipse_outlines([0, 0], [sound], probability=95)
+    with pytest.raises(ValueError, match=r"\(2, 2\)"):
+        plot_ellipse([0, 0], np.eye(3), Figure().add_subplot())

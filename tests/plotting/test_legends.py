@@ -31,12 +31,9 @@ def labels_written_in(path):
             )
 
 
-def test_every_key_has_words():
+def test_every_key_has_words_and_each_kind_of_landmark_one_key():
     keys = [*map(source_key, STYLES), *landmark_keys(LANDMARK_MARKERS, "black", "the field's")]
     assert not [key.get_label() for key in keys if is_a_name(key.get_label())]
-
-
-def test_each_kind_of_landmark_that_is_there_has_one_key():
     keys = landmark_keys(["post", "corner", "post"], "black", "the field's")
     assert [key.get_label() for key in keys] == ["the field's corner", "the field's post"]
     assert landmark_keys([], "black", "the field's") == []
@@ -56,8 +53,5 @@ def test_no_label_of_a_lesson_or_panel_is_a_name():
         if is_a_name(label)
     ]
     assert not named
-
-
-def test_a_formula_and_a_hidden_label_are_no_names():
     assert is_a_name("robot_predicted") and is_a_name(r"robot_predicted, $\sigma_p$")
     assert not is_a_name(r"tilt, $\sigma_p$") and not is_a_name("_truth")

@@ -13,11 +13,8 @@ from nao_course.slam import Estimate, Measurement
 from tests.plotting.examples import a_map, some_estimate
 
 
-def test_the_axes_of_a_map_name_their_units():
+def test_a_map_names_its_units_and_a_moved_field_lies_where_it_lies():
     assert [ax.get_xlabel() for ax in a_map().figure.axes] == ["x (m)"]
-
-
-def test_a_moved_field_is_drawn_where_it_lies():
     ax = Figure().add_subplot()
     plot_field(Field(pose=Pose(10.0, 5.0, np.pi / 2)), ax)
     assert np.allclose(ax.get_xlim(), (10 - 2.7, 10 + 2.7))
@@ -54,20 +51,14 @@ def test_turning_the_frame_turns_the_ellipses_that_are_drawn(turn):
         assert np.allclose(distances, -2 * np.log(0.05))
 
 
-def test_nothing_to_show_is_a_map_all_the_same():
+def test_what_is_empty_or_broken_is_a_map_all_the_same_and_deviations_are_said_in_order():
     empty = Estimate(Pose(), np.zeros((3, 3)), np.empty((0, 2)), np.empty((0, 2, 2)))
     drawing = draw_map(Field(), truth=[], odometry=np.empty((0, 3)), estimate=empty)
     assert "truth: no poses" in drawing.alt
     assert "landmarks: none" in drawing.alt
-
-
-def test_the_standard_deviations_are_said_in_the_order_of_the_axes():
     none = np.empty((0, 2)), np.empty((0, 2, 2))
     estimate = Estimate(Pose(), np.diag([0.01, 0.04, 0.0]), *none)
     assert "(standard deviations 0.10 and 0.20 m)" in draw_map(Field(), estimate=estimate).alt
-
-
-def test_an_estimate_with_a_broken_covariance_is_drawn_and_says_so():
     broken = some_estimate()
     broken.landmark_covariances[0] = np.nan
     drawing = draw_map(Field(), estimate=broken)

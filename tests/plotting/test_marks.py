@@ -22,21 +22,15 @@ def test_a_cross_is_black_and_has_a_white_rim_so_that_it_is_seen_on_a_dark_wall_
         assert (shown != ground).any(axis=2).sum() > 30
 
 
-def test_a_cross_on_top_of_a_ring_that_is_some_pixels_off_leaves_both_to_be_seen():
-    ring = with_rings(PLAIN, [(43, 31)])
-    both = with_crosses(ring, [(40, 30)])
-    left = [(each == rgb(FOUND)).all(axis=2).sum() for each in (ring, both)]
-    assert left[1] > 0.5 * left[0] > 10 and tuple(both[30, 40]) == rgb(TRUE)
-
-
-def test_a_ring_lies_around_its_point_on_a_copy():
+def test_a_ring_lies_around_its_point_on_a_copy_and_a_cross_on_it_leaves_both_to_be_seen():
     shown = with_rings(PLAIN, [(40, 20)])
     rows, columns = np.nonzero((shown != 90).any(axis=2))
     assert (rows.mean(), columns.mean()) == pytest.approx((20, 40))
     assert (shown[20, 40] == 90).all() and (PLAIN == 90).all()
-
-
-def test_points_of_another_shape_are_named():
+    ring = with_rings(PLAIN, [(43, 31)])
+    both = with_crosses(ring, [(40, 30)])
+    left = [(each == rgb(FOUND)).all(axis=2).sum() for each in (ring, both)]
+    assert left[1] > 0.5 * left[0] > 10 and tuple(both[30, 40]) == rgb(TRUE)
     with pytest.raises(ValueError, match=r"corners \(u, v\)"):
         with_rings(PLAIN, np.zeros((2, 3)), "corners (u, v)")
 

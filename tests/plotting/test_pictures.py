@@ -11,25 +11,19 @@ from nao_course.sim import Field, VisibleLandmark
 from tests.plotting.examples import a_picture
 
 
-def test_the_axes_of_a_picture_name_their_units():
-    assert [ax.get_xlabel() for ax in a_picture().figure.axes] == ["u (px)"]
-
-
 @pytest.mark.parametrize("ticks", [True, False])
 def test_a_pictures_first_row_is_on_top_and_its_first_column_on_the_left(ticks):
     ax = Figure().add_subplot()
     plot_picture(np.zeros((4, 6, 3), np.uint8), ax, ticks=ticks)
     assert ax.get_xlim() == (-0.5, 5.5) and ax.get_ylim() == (3.5, -0.5)
+    assert [ax.get_xlabel() for ax in a_picture().figure.axes] == ["u (px)"]
 
 
-def test_a_landmark_behind_a_post_is_marked_as_such():
+def test_the_words_about_a_picture_say_what_is_hidden_and_which_part_has_each_label():
     landmark = Field().landmarks[0]
     seen = [VisibleLandmark(landmark, (10.0 * n, 20.0), 1.0, 0.0, occluded=n == 1) for n in (1, 2)]
     said = draw_picture(np.zeros((40, 40, 3), np.uint8), seen).alt
     assert f"hidden (10, 20), {landmark.kind} (20, 20)" in said
-
-
-def test_the_words_about_labels_say_which_part_has_each():
     said = draw_labels([[0, 1, 1, 3], [3, 3, 3, 3]]).alt
     assert "other 12.5%, green 25.0%, yellow 0.0%, white 62.5%" in said
 

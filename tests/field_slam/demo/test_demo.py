@@ -1,7 +1,5 @@
 """The demo of lesson 11: a drive without a hand in it, on two pictures."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 
@@ -88,12 +86,9 @@ def test_the_first_pictures_wait_until_the_camera_is_calibrated():
     assert np.degrees([view.pitch - frames[0].view.pitch for view in views]) == pytest.approx(6.0, abs=3.0)
 
 
-def test_no_picture_is_lost_if_the_camera_is_never_calibrated():
+def test_no_picture_is_lost_if_the_camera_is_never_calibrated_and_a_calibrated_one_is_left():
     blind = [replace(frame, calibrated=False) for frame in frames()]
     assert [each.frame for each in drive.see_all(FUNCTIONS, blind)] == blind
-
-
-def test_a_calibrated_camera_is_left_as_it_is():
     taken = []
     seen = drive.see_all(FUNCTIONS, (taken.append(frame) or frame for frame in frames()))
     next(seen)
@@ -123,25 +118,15 @@ def test_the_solutions_drive_a_short_way_from_the_command_line(tmp_path, monkeyp
     found = json.loads((tmp_path / "demo.json").read_text())
     assert found["pictures"] == 9 and found["ekf"]["landmarks"] >= 2
     assert max(found[name]["position"] for name in ("ekf", "graph")) < 0.1
-    assert {path.name for path in tmp_path.iterdir()} == {
-        "demo.json",
-        "demo.png",
-        "demo.webp",
-        "film.json",
-        "demo.html",
-    }
+    files = {"demo.json", "demo.png", "demo.webp", "film.json", "demo.html"}
+    assert {path.name for path in tmp_path.iterdir()} == files
 
 
 @pytest.mark.slow
-def test_the_film_has_each_chosen_picture(tmp_path):
+def test_figure_film_and_errors_are_written_with_each_chosen_picture(tmp_path):
     story = drive.run_demo(FUNCTIONS, frames(), ["ekf"])
     path = film.write_film(story, Field(2012), tmp_path / "film.webp", frames=2)
     with Image.open(path) as shown:
         assert shown.n_frames == 2
-
-
-@pytest.mark.slow
-def test_figure_film_and_errors_are_written(tmp_path):
-    story = drive.run_demo(FUNCTIONS, frames(), ["ekf"])
     for path in film.write_all(story, Field(2012), tmp_path / "new"):
         assert path.stat().st_size > 100
