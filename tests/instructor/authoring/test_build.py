@@ -15,7 +15,7 @@ from nao_course.instructor.authoring.course import LessonError
 from nao_course.instructor.authoring.perturbation import perturbed
 from tests.instructor.authoring.conftest import PICTURE
 from tests.paths import PROJECT
-from tests.toy.course import PLAN, TEXT, contents, run, with_a_written_question, write
+from tests.toy.course import PLAN, contents, run, with_a_written_question, write
 
 
 def test_build_writes_all_that_is_made_of_a_lesson_and_then_nothing(course, kernel):
@@ -41,9 +41,8 @@ def test_what_another_processor_built_stays_as_it_is_and_a_change_is_written(bui
     assert theirs != ours
     assert run("build").output.split() == ["wrote", "solutions/proofs.json"]  # it vouches for theirs
     assert checks.read_bytes() == theirs and "Nothing has changed." in run("build").output
-    checks.write_bytes(
-        pack(replace(lesson, exercises=[replace(lesson.exercises[0], hints=["other", "hints"])]))
-    )
+    other = replace(lesson.exercises[0], hints=["other", "hints"])
+    checks.write_bytes(pack(replace(lesson, exercises=[other])))
     assert "wrote nao_course/exercises/checks/01_toy.bin" in run("build").output
     assert checks.read_bytes() == ours
 
@@ -70,17 +69,9 @@ def test_a_written_question_is_a_text_cell_that_a_person_marks(course):
     notebook = nbformat.read("notebooks/01_toy.ipynb", as_version=4)
     ((_, cell),) = lesson_text.written_cells(notebook)
     assert cell.source == ANSWER_HERE and "two times one" not in nbformat.writes(notebook)
-    assert dict(cell.metadata.nbgrader) | {"checksum": ""} == {
-        "schema_version": 3,
-        "task": False,
-        "cell_type": "markdown",
-        "checksum": "",
-        "grade": True,
-        "solution": True,
-        "locked": False,
-        "grade_id": "say_why",
-        "points": 2.0,
-    }
+    wanted = {"schema_version": 3, "task": False, "cell_type": "markdown", "checksum": "", "points": 2.0}
+    wanted |= {"grade": True, "solution": True, "locked": False, "grade_id": "say_why"}
+    assert dict(cell.metadata.nbgrader) | {"checksum": ""} == wanted
     solved = nbformat.read("solutions/01_toy.ipynb", as_version=4)
     assert lesson_text.written_cells(solved)[0][1].source == "Because two times one is two."
     assert lesson_text.write_lesson(solved) == course.text("01_toy").read_text()
@@ -97,121 +88,58 @@ def test_points_of_the_course_file_count(course):
 
 
 MARK = "### BEGIN SOLUTION"
-BROKEN = {
-    "a cell without options": (
-        TEXT,
-        ":role: display\n",
-        "",
-        r"01_toy.md, cell 7 \('print.*needs one of :exercise:",
-    ),
-    "an unknown role": (TEXT, ":role: display", ":role: dsplay", r"cell 7 .*no role 'dsplay'"),
-    "no Python": (TEXT, 'print("shown")', "print(", r"01_toy.md, cell 7 .*line 1 is not Python"),
-    "a solution without an end": (TEXT, "    ### END SOLUTION\n", "", r"cell 4 .*take turns"),
-    "no solution": (
-        TEXT,
-        f"    {MARK}\n    return 2.0 * value\n    ### END SOLUTION",
-        "    return 2.0 * value",
-        r"cell 4 .*needs its sol",
-    ),
-    "a solution outside an exercise": (
-        TEXT,
-        'print("shown")',
-        f"{MARK}\nprint(1)\n### END SOLUTION",
-        r"cell 7 .*stands outside an exercise",
-    ),
-    "another function": (
-        TEXT,
-        "def double(",
-        "def twice(",
-        r"cell 4 .*defines no function or class of that name",
-    ),
-    "a check that is edited": (
-        TEXT,
-        'check("double", double)',
-        'check("double", print)',
-        r"cell 5 .*is exactly: check",
-    ),
-    "an undeclared check": (
-        TEXT,
-        ":check: double",
-        ":check: treble",
-        r"cell 5 .*check treble is not declared",
-    ),
-    "no cell for an exercise": (
-        TEXT,
-        ":exercise: double",
-        ":role: display",
-        r"exercise double is declared but no cell",
-    ),
+
+
+SOLVED = f"    {MARK}\n    return 2.0 * value\n    ### END SOLUTION"
+CHECK = '```{code-cell} ipython3\n:check: double\n\ncheck("double", double)\n```\n'
+IN_TEXT = {
+    "a cell without options": (":role: display\n", "", "01_toy.md, cell 7 .'print.*needs one of :exercise:"),
+    "an unknown role": (":role: display", ":role: dsplay", "cell 7 .*no role 'dsplay'"),
+    "no Python": ('print("shown")', "print(", "01_toy.md, cell 7 .*line 1 is not Python"),
+    "a solution without an end": ("    ### END SOLUTION\n", "", "cell 4 .*take turns"),
+    "no solution": (SOLVED, "    return 2.0 * value", "cell 4 .*needs its sol"),
+    "a solution outside an exercise": ('print("shown")', SOLVED, "cell 7 .*stands outside"),
+    "another function": ("def double(", "def twice(", "cell 4 .*defines no function"),
+    "a check that is edited": ('"double", double)', '"double", print)', "cell 5 .*is exactly: check"),
+    "an undeclared check": (":check: double", ":check: treble", "cell 5 .*check treble is not declared"),
+    "no cell": (":exercise: double", ":role: display", "exercise double is declared but no cell"),
     "a name in two cells": (
-        TEXT,
         'print("shown")\n```\n',
-        'print("shown")\n```\n\n```{code-cell} ipython3\n:check: double\n\ncheck("double", double)\n```\n',
+        f"print(1)\n```\n\n{CHECK}",
         "2 cells say :check: double",
     ),
-    "another lesson's set-up": (TEXT, 'lesson("01_toy")', 'lesson("02_toy")', r"cell 2 .*the set-up says"),
-    "a header with more": (TEXT, "# A toy", "# A toy", "the header's 'author' would be lost"),
-    "a picture that is missing": (
-        TEXT,
-        "Words",
-        "![a](images/a.png) Words",
-        r"cell 3 .*images/a.png does not exist",
-    ),
-    "a wrong solution": (TEXT, "2.0 * value", "value**2.0", "alternative 'a sum' is not right"),
+    "another lesson's set-up": ('lesson("01_toy")', 'lesson("02_toy")', "cell 2 .*the set-up says"),
+    "a header with more": ("kernelspec:", "author: me\nkernelspec:", "the header's 'author' would be lost"),
+    "a missing picture": ("Words", "![a](images/a.png) Words", "cell 3 .*images/a.png does not exist"),
+    "a wrong solution": ("2.0 * value", "value**2.0", "alternative 'a sum' is not right"),
+}
+IN_PLAN = {
     "no cases": (
-        PLAN,
         "[Case((2.0,)), Case((0.0,)), Case((-1.5,))]",
         "[]",
-        r"exercises/01_toy.py, 01_toy.md, cell 4 .*double: no public cases",
+        "exercises/01_toy.py, 01_toy.md, cell 4 .*double: no public cases",
     ),
-    "a mistake that no case tells": (
-        PLAN,
-        "Case((0.0,)), Case((-1.5,))",
-        "Case((0.0,))",
-        "mistake 'squared': no public case distinguishes",
-    ),
-    "a name used twice": (PLAN, "[DOUBLE]", "[DOUBLE, DOUBLE]", "double: the name is used twice"),
-    "a declaration that does not run": (
-        PLAN,
-        "points=1,",
-        "points=1, colour=2,",
-        r"01_toy.py: line 3: TypeError",
-    ),
-}
-BROKEN |= {
+    "an untold mistake": ("Case((0.0,)), Case((-1.5,))", "Case((0.0,))", "'squared': no public case disting"),
+    "a name used twice": ("[DOUBLE]", "[DOUBLE, DOUBLE]", "double: the name is used twice"),
+    "what does not run": ("points=1,", "points=1, colour=2,", "01_toy.py: line 3: TypeError"),
     "stars of seven": (
-        PLAN,
         "points=1,",
         "points=1, stars=7,",
         "01_toy.py: double: stars must be 1, 2 or 3, got 7",
     ),
-    "no tuple": (
-        PLAN,
-        "Case((2.0,))",
-        "Case((2.0))",
-        r"01_toy.py, 01_toy.md, cell 4 .*public case 1: args must be",
-    ),
-    "an error in hidden cases": (
-        PLAN,
-        "(-10, 10, 6)",
-        "(-10, 10, -6)",
-        "its hidden cases: line 7: ValueError",
-    ),
+    "no tuple": ("Case((2.0,))", "Case((2.0))", "01_toy.py, 01_toy.md, cell 4 .*public case 1: args must be"),
+    "an error in hidden cases": ("(-10, 10, 6)", "(-10, 10, -6)", "its hidden cases: line 7: ValueError"),
 }
 
 
-@pytest.mark.parametrize("what", BROKEN)
+@pytest.mark.parametrize("what", [*IN_TEXT, *IN_PLAN])
 def test_what_is_broken_is_said_with_its_place_and_nothing_is_written(course, what):
-    source, old, new, said = BROKEN[what]
-    path = course.text("01_toy") if source is TEXT else course.solutions / "exercises" / "01_toy.py"
-    write(path, old, new)
-    if what == "a header with more":
-        write(path, "kernelspec:", "author: me\nkernelspec:")
+    old, new, said = (IN_TEXT | IN_PLAN)[what]
+    write(course.text("01_toy") if what in IN_TEXT else course.declaration("01_toy"), old, new)
     before = contents(course.root)
     result = run("build")
-    assert result.exit_code == 1
+    assert result.exit_code == 1 and "Traceback" not in result.output
     assert re.search(said, result.output), result.output
-    assert "Traceback" not in result.output
     assert contents(course.root) == before
 
 
@@ -225,29 +153,17 @@ def test_check_data_that_is_too_much_to_download_is_refused(course, monkeypatch)
 
 def test_what_is_wrong_with_the_declarations_of_all_lessons_is_said_at_once(course):
     declared = course.declaration("01_toy")
+    course.text("02_toy").write_text(course.text("01_toy").read_text().replace("01_toy", "02_toy"))
+    course.declaration("02_toy").write_text(declared.read_text().replace("01_toy", "02_toy"))
+    result = run("build")
+    assert result.exit_code == 1 and "exercises/02_toy.py" in result.output
+    assert "double: the name is used twice" in result.output
     text = declared.read_text().replace("points=1,", "points=-1,").replace('("Look.", "Nearly.")', '"Look."')
     declared.write_text(text)
-    course.text("02_toy").write_text(course.text("01_toy").read_text())
     course.declaration("02_toy").write_text("PLAN = 3")
     said = run("build").output
-    for problem in (
-        "01_toy.py: double: points must be",
-        "01_toy.py: double: hints must be two",
-        "02_toy.py: it must",
-    ):
+    for problem in ("01_toy.py: double: points must", "01_toy.py: double: hints must", "02_toy.py: it must"):
         assert f"solutions/exercises/{problem}" in said
-
-
-def test_a_name_of_another_lesson_is_refused(course):
-    for suffix, folder in ((".md", course.solutions), (".py", course.solutions / "exercises")):
-        text = (folder / f"01_toy{suffix}").read_text()
-        (folder / f"02_toy{suffix}").write_text(text.replace("01_toy", "02_toy"))
-    result = run("build")
-    assert (
-        result.exit_code == 1
-        and "exercises/02_toy.py" in result.output
-        and "double: the name is used twice" in result.output
-    )
 
 
 def test_a_lesson_that_is_taken_out_takes_what_was_made_of_it_along(built):
@@ -256,22 +172,16 @@ def test_a_lesson_that_is_taken_out_takes_what_was_made_of_it_along(built):
     assert not list(built.root.glob("**/01_toy.ipynb")) + list(built.root.glob("**/01_toy.bin"))
 
 
-def test_the_pictures_of_a_lesson_go_with_its_student_copy(course):
-    (course.solutions / "images").mkdir()
-    (course.solutions / "images" / "a.png").write_bytes(b"png")
-    write(course.text("01_toy"), "Words", "![a post](images/a.png) Words")
+def test_pictures_and_files_that_a_lesson_links_to_go_with_its_student_copy(course):
+    images = course.solutions / "images"
+    images.mkdir()
+    files = {"a.png": b"png", "sheet.pdf": b"%PDF"}
+    for name, content in files.items():
+        (images / name).write_bytes(content)
+    words = "![a post](images/a.png) Print [the sheet](images/sheet.pdf), and read [more](docs/setup.md)."
+    write(course.text("01_toy"), "Words", words)
     assert run("build").exit_code == 0
-    assert Path("notebooks/images/a.png").read_bytes() == b"png"
-
-
-def test_a_file_that_a_lesson_links_to_goes_with_its_student_copy_too(course):
-    (course.solutions / "images").mkdir()
-    (course.solutions / "images" / "sheet.pdf").write_bytes(b"%PDF")
-    write(
-        course.text("01_toy"), "Words", "Print [the sheet](images/sheet.pdf), and read [more](docs/setup.md)."
-    )
-    assert run("build").exit_code == 0
-    assert Path("notebooks/images/sheet.pdf").read_bytes() == b"%PDF"
+    assert {path.name: path.read_bytes() for path in Path("notebooks/images").iterdir()} == files
 
 
 OPENING = "# A toy\n\n![what it shows](images/01_payoff.png)"
@@ -316,16 +226,13 @@ def test_a_lesson_is_built_before_its_payoff_has_ever_run_but_not_released(cours
         ((PAYOFF, PAYOFF * 2), "only one cell may have :role: payoff"),
     ],
 )
-def test_a_payoff_that_the_lesson_does_not_open_with_is_refused(course, change, said):
-    with_a_payoff(course)
-    write(course.text("01_toy"), *change)
-    assert said in run("build").output
-
-
-def test_a_payoff_without_a_picture_is_refused(course):
+def test_a_payoff_without_a_picture_or_that_the_lesson_does_not_open_with_is_refused(course, change, said):
     notebook = lesson_text.read_lesson(course.text("01_toy"), lesson_text.HEADER + OPENING + PAYOFF)
     with pytest.raises(LessonError, match="a payoff shows one picture, this one shows 0"):
         build.payoff_files(notebook)
+    with_a_payoff(course)
+    write(course.text("01_toy"), *change)
+    assert said in run("build").output
 
 
 def test_cells_that_only_show_something_are_folded_and_nothing_of_it_goes_back_into_the_text(course):
@@ -380,12 +287,17 @@ check("quadruple", quadruple)
 def add_a_second_lesson(course, uses='uses=["01:double"], '):
     """A lesson whose exercise, and its mistakes and alternatives, call a function of the first."""
     (course.solutions / "02_more.md").write_text(lesson_text.HEADER + SECOND)
-    text = PLAN.replace('name="double",', f'name="quadruple", {uses}').replace("DOUBLE", "QUADRUPLE")
-    text = text.replace("value + value", "double(double(value))").replace("sum([value, value])", "4 * value")
-    text = text.replace("value - -value", "double(value) + double(value)").replace(
-        "lambda value: value**2", "lambda value: double(value)"
-    )
-    text = text.replace("abs(2 * value)", "abs(4 * value)")
+    text = PLAN
+    for old, new in (
+        ('name="double",', f'name="quadruple", {uses}'),
+        ("DOUBLE", "QUADRUPLE"),
+        ("value + value", "double(double(value))"),
+        ("sum([value, value])", "4 * value"),
+        ("value - -value", "double(value) + double(value)"),
+        ("lambda value: value**2", "lambda value: double(value)"),
+        ("abs(2 * value)", "abs(4 * value)"),
+    ):
+        text = text.replace(old, new)
     head = 'from nao_course.student import earlier\n\ndouble = earlier("01:double")\n'
     (course.solutions / "exercises" / "02_more.py").write_text(head + text)
 
@@ -405,36 +317,25 @@ def test_a_lesson_that_uses_an_earlier_one_is_built_without_a_working_folder(cou
 def test_a_lesson_that_uses_an_earlier_one_runs_with_its_solution(course, kernel):
     add_a_second_lesson(course)
     assert run("build").exit_code == 0
-    assert (
-        "the public check" in (text := Path("solutions/02_more.ipynb").read_text()) or "all 3 public" in text
-    )
+    assert re.search("the public check|all 3 public", Path("solutions/02_more.ipynb").read_text())
 
 
 @pytest.mark.parametrize(
     ("uses", "message"),
     [
-        (
-            'uses=["03:double"], ',
-            "02_more: quadruple: it uses '03:double': there is no lesson '03'; there are",
-        ),
-        (
-            'uses=["01:halve"], ',
-            "02_more: quadruple: it uses '01:halve': lesson 01_toy has no exercise 'halve'",
-        ),
-        ('uses=["02:quadruple"], ', "it uses '02:quadruple': lesson 02_more does not come before 02_more"),
-        ('uses=["double"], ', "it uses 'double': lesson 02_more has no exercise 'double'"),
-        ('uses=["quadruple"], ', "it uses 'quadruple': quadruple does not come before it"),
+        ("03:double", "02_more: quadruple: it uses '03:double': there is no lesson '03'; there are"),
+        ("01:halve", "02_more: quadruple: it uses '01:halve': lesson 01_toy has no exercise 'halve'"),
+        ("02:quadruple", "it uses '02:quadruple': lesson 02_more does not come before 02_more"),
+        ("double", "it uses 'double': lesson 02_more has no exercise 'double'"),
+        ("quadruple", "it uses 'quadruple': quadruple does not come before it"),
         ("", "quadruple: it calls double of your lesson 01; add '01:double' to its `uses`"),
     ],
 )
 def test_what_is_used_has_to_be_there_before_and_declared(course, uses, message):
-    add_a_second_lesson(course, uses)
+    add_a_second_lesson(course, f'uses=["{uses}"], ' if uses else "")
     result = run("build")
     assert result.exit_code == 1 and message in result.output
     assert not Path("notebooks").exists()
-
-
-# --- a minimum exercise ---
 
 
 @pytest.fixture
@@ -459,12 +360,9 @@ def test_the_docs_minimum_exercise_is_built_without_a_word(minimum):
 def test_build_warns_of_few_mistakes_and_alternatives_and_builds(minimum):
     plan = minimum.declaration("01_toy")
     plan.write_text(re.sub(r", waived=\{.*?\}", "", plan.read_text()))
+    warning = "warning: solutions/exercises/01_toy.py: double: it has 0 mistakes and 0 alternatives"
     for _ in range(2):  # also where nothing has changed
         result = run("build", "--no-execute")
-        assert result.exit_code == 0
-        assert (
-            "warning: solutions/exercises/01_toy.py: double: it has 0 mistakes and 0 alternatives"
-            in result.output
-        )
+        assert result.exit_code == 0 and warning in result.output
     plan.write_text(plan.read_text().replace("points=1", "points=0"))
     assert "warning" not in run("build", "--no-execute").output, "an exercise for practice"

@@ -31,6 +31,15 @@ def test_what_is_public_today_is_no_leak(secrets):
     assert find_leaks(notebook_with("x = 1"), secrets) == []
 
 
+def test_what_is_alike_by_accident_or_names_the_same_earlier_exercises_has_no_fingerprint():
+    assert SMALLEST > 6
+    alike = ("height, width = picture.shape[:2]", "return np.array(points)", "import numpy as np", "x = 1")
+    names = ("predict", "update_landmarks", "add_landmark")
+    setup = "\n".join(f'{name} = earlier("07:{name}")' for name in names)
+    assert [common for common in (*alike, setup) if list(fingerprints(common))] == []
+    assert list(fingerprints(setup.replace("earlier", "later")))
+
+
 def secret_pieces():
     """A piece of each kind of secret: lines of a solution, of a mistake or alternative, and of hidden cases."""
     notebook = lesson_text.read_notebook(COURSE.solutions / "01_hsl_filtering.ipynb")
@@ -40,18 +49,15 @@ def secret_pieces():
     helper = declared[declared.index("def picture(") : declared.index("def primaries(")]
     alternative = declared[declared.index("def _labels_loop(") : declared.index("def _labels_select(")]
     mistakes = {each.name: each for each in COURSE.plan("01_hsl_filtering").exercises[-1].mistakes}
-    inserted = mistakes["about the mean direction"].function.inserted
+    inserted = textwrap.indent(mistakes["about the mean direction"].function.inserted, "    ")
+    renamed = f"def g(p):\n{solution}".replace("picture", "p").replace("spread", "width")
     return {
         "solution": f"def f(picture):\n{solution}",
         "hidden": helper,
         "alternative": alternative,
-        "mistake": f"def f(hue, saturation, epsilon):\n{textwrap.indent(inserted, '    ')}",
-        "hidden under other names": helper.replace("rng", "r")
-        .replace("colours", "c")
-        .replace("kinds", "which"),
-        "solution under other names": f"def g(p):\n{solution}".replace("picture", "p").replace(
-            "spread", "width"
-        ),
+        "mistake": f"def f(hue, saturation, epsilon):\n{inserted}",
+        "hidden under other names": helper.replace("rng", "r").replace("colours", "c").replace("kinds", "of"),
+        "solution under other names": renamed,
         "solution with comments": f'def f(picture):\n    "Mine."\n    # well\n{solution}',
     }
 
@@ -85,13 +91,11 @@ def toy_library(course):
     library = f"def old(value):\n    {HELD[0]}\n    return total\n\n\nEXAMPLE = {HELD[1]!r}\n"
     (course.root / "nao_course" / "old.py").write_text(library)
     own = "total = np.exp(value * 2.0) - 7.0 * value + value**3"
-    changes = "".join(
-        f"        line {i}: + {line}\n            It is wrong.\n" for i, line in enumerate([*HELD, own])
-    )
+    lines = enumerate([*HELD, own])
+    changes = "".join(f"        line {i}: + {line}\n            It is wrong.\n" for i, line in lines)
     plan = course.declaration("01_toy")
     text = plan.read_text().replace("mistakes=[", f'mistakes=[\n    *catalogue("""\n{changes}    """),', 1)
-    imported = "from nao_course.instructor.authoring.mistakes import catalogue\n"
-    plan.write_text(imported + text)
+    plan.write_text(f"from nao_course.instructor.authoring.mistakes import catalogue\n{text}")
     return course, library, own
 
 
@@ -132,21 +136,3 @@ def test_a_fingerprint_sees_through_names_docstrings_wrapping_and_the_way_number
     assert marks[0] & marks[1] & marks[2]
     other = "def g(x, y):\n    return x * 2.0 + np.sqrt(x**2 + 1.0)"
     assert not marks[0] & {mark for mark, _ in fingerprints(other)}
-
-
-def test_what_is_alike_by_accident_has_no_fingerprint():
-    assert SMALLEST > 6
-    for common in (
-        "height, width = picture.shape[:2]",
-        "return np.array(points)",
-        "import numpy as np",
-        "x = 1",
-    ):
-        assert list(fingerprints(common)) == []
-
-
-def test_naming_the_same_earlier_exercises_is_no_leak():
-    names = ("predict", "update_landmarks", "add_landmark")
-    setup = "\n".join(f'{name} = earlier("07:{name}")' for name in names)
-    assert list(fingerprints(setup)) == []
-    assert list(fingerprints(setup.replace("earlier", "later")))

@@ -45,13 +45,11 @@ MISTAKES = """
     nothing done: + return x
         The function returns its input.
 """
-GAIN, OFFSET, WRAP, SQUARE, NOTHING = (
-    "The gain is missing.",
-    "The offset is subtracted.",
-    "The angle is not wrapped.",
-    "The gain is squared.",
-    "The function returns its input.",
-)
+
+
+GAIN, OFFSET, WRAP, SQUARE, NOTHING = (line.strip() for line in MISTAKES.splitlines()[2::2])
+
+
 X = np.array([-35.0, 12.5, 99.0, 300.0])
 
 
@@ -99,17 +97,19 @@ def test_a_single_mistake_keeps_its_own_message(public):
 
 
 def test_what_is_right_or_wrong_in_another_way_gets_no_message(public):
-    assert grade_public(public, lambda x, gain, offset: (offset + gain * x) % 360)
-    assert said(public, lambda x, gain, offset: np.mod(gain * x + offset, 180.0)) == []
-    assert said(public, lambda x, gain, offset: np.mod(x - offset, 360.0) + 1e-2) == []
-    assert said(public, lambda x, gain, offset: [][0]) == []
+    """The other cases must be right or wrong as with the pair, too."""
 
-
-def test_the_other_cases_must_be_right_or_wrong_as_with_the_pair(public):
     def both_but_right_without_offset(x, gain, offset):
         return np.mod((gain if len(x) == 2 else 1.0) * x + (offset if len(x) == 2 else -offset), 360.0)
 
-    assert said(public, both_but_right_without_offset) == []
+    assert grade_public(public, lambda x, gain, offset: (offset + gain * x) % 360)
+    for wrong in (
+        lambda x, gain, offset: np.mod(gain * x + offset, 180.0),
+        lambda x, gain, offset: np.mod(x - offset, 360.0) + 1e-2,
+        lambda x, gain, offset: [][0],
+        both_but_right_without_offset,
+    ):
+        assert said(public, wrong) == []
 
 
 def test_changes_of_the_same_place_are_no_pair(public):
@@ -129,18 +129,18 @@ def test_a_pair_stores_a_small_answer_and_no_code(public):
     assert encode(public) == encode(publish("90_toy", LessonPlan([declared()]), solution()).exercises[0])
 
 
-def test_two_pairs_with_the_same_answers_are_left_out():
-    twice = MISTAKES + "    gain is one: scaled = gain * x => scaled = 1.0 * x\n        The gain is one.\n"
-    plan = LessonPlan([Exercise(**{**vars(declared()), "mistakes": catalogue(twice)})])
+def with_one_more(mistake):
+    text = f"{MISTAKES}    {mistake}\n        Another one.\n"
+    plan = LessonPlan([Exercise(**{**vars(declared()), "mistakes": catalogue(text)})])
     (exercise,) = publish("90_toy", plan, solution()).exercises
+    return exercise
+
+
+def test_two_pairs_with_the_same_answers_or_one_that_is_right_by_rounding_alone_are_left_out():
+    exercise = with_one_more("gain is one: scaled = gain * x => scaled = 1.0 * x")
     assert not any({0, 5} & set(pair.mistakes) for pair in exercise.pairs)
     assert said(exercise, lambda x, gain, offset: np.mod(x - offset, 360.0)) == []
-
-
-def test_a_pair_that_is_right_in_a_case_by_rounding_alone_is_left_out():
-    exact = "    exact: scaled = gain * x => scaled = gain * x + 99.0 * (gain != 3.0)\n        It compares exactly.\n"
-    plan = LessonPlan([Exercise(**{**vars(declared()), "mistakes": catalogue(MISTAKES + exact)})])
-    (exercise,) = publish("90_toy", plan, solution()).exercises
+    exercise = with_one_more("exact: scaled = gain * x => scaled = gain * x + 99.0 * (gain != 3.0)")
     assert {2, 5} not in [set(pair.mistakes) for pair in exercise.pairs]
 
 

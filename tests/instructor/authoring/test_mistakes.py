@@ -48,32 +48,11 @@ def exercise(text: str) -> Exercise:
     )
 
 
-def test_a_fragment_is_replaced_where_it_stands():
+def test_fragments_are_replaced_one_after_the_other_in_functions_and_methods_but_not_in_docstrings():
     assert changed("total / count(values) => total / 3")([3.0, 6.0]) == 3.0
-
-
-def test_docstrings_are_not_searched():
     assert changed("total / count => total * count")([2.0, 2.0]) == 8.0
-
-
-def test_a_fragment_is_replaced_everywhere_where_that_is_asked_for():
     assert "total" not in Change(("total =>> t",)).applied_to(SOURCE, "mean").split('"""')[2]
-
-
-def test_lines_are_inserted_at_the_beginning_of_the_body_or_behind_the_changed_line():
-    assert changed("+ values = values[1:]")([5.0, 1.0]) == 1.0
-    assert changed("sum(values) => sum(values)", "+ total = -total")([5.0, 1.0]) == -3.0
-    assert changed("total = 0.0 => total = 1.0", "+ return total")([]) == 1.0
-    nested = ("+ for value in values:", "+     if value < 0:", "+         return None")
-    assert changed(*nested)([-1.0]) is None and changed(*nested)([1.0]) == 1.0
-
-
-def test_several_changes_are_applied_one_after_the_other():
-    both = changed("sum(values) => max(values)", "max(values) => max(values) - 1")
-    assert both([4.0, 2.0]) == 1.5
-
-
-def test_a_method_of_a_class_can_be_changed():
+    assert changed("sum(values) => max(values)", "max(values) => max(values) - 1")([4.0, 2.0]) == 1.5
     source = "class mean:\n    def get(self):\n        return 1\n"
     assert changed("return 1 => return 2", source=source)().get() == 2
 
@@ -82,6 +61,14 @@ def test_the_solution_itself_stays_as_it_was():
     reference = solution()
     with_functions(LessonPlan([exercise("slip\n    count => sum\n    A message.")]), reference)
     assert reference["mean"]([2.0, 4.0]) == 3.0
+
+
+def test_lines_are_inserted_at_the_beginning_of_the_body_or_behind_the_changed_line():
+    assert changed("+ values = values[1:]")([5.0, 1.0]) == 1.0
+    assert changed("sum(values) => sum(values)", "+ total = -total")([5.0, 1.0]) == -3.0
+    assert changed("total = 0.0 => total = 1.0", "+ return total")([]) == 1.0
+    nested = ("+ for value in values:", "+     if value < 0:", "+         return None")
+    assert changed(*nested)([-1.0]) is None and changed(*nested)([1.0]) == 1.0
 
 
 @pytest.mark.parametrize(
@@ -98,10 +85,18 @@ def test_a_change_that_does_not_fit_is_refused_with_the_exercise_and_the_mistake
     assert complaint in str(caught.value)
 
 
-def test_a_change_needs_the_solutions_text():
+def test_a_change_needs_the_solutions_text_and_cannot_be_called_before_it_is_applied():
     plan = LessonPlan([exercise("slip\n    sum => max\n    A message.")])
     with pytest.raises(ChangeError, match="only functions of the solution are given"):
         with_functions(plan, {"mean": solution()["mean"]})
+    with pytest.raises(ChangeError, match="apply it"):
+        plan.exercises[0].mistakes[0].function([1.0])
+
+
+def test_inserted_code_can_be_looked_for_in_a_release():
+    lines = "    + total = sum(values) * 2 + len(values)\n    + return total\n"
+    (slip,) = catalogue(f"slip\n{lines}    A message.")
+    assert list(fingerprints(slip.function.inserted))
 
 
 @pytest.mark.parametrize(
@@ -122,16 +117,3 @@ def test_a_message_may_go_over_several_lines_and_is_published_with_the_wrong_ans
     (public,) = publish("90_toy", LessonPlan([exercise(text)]), solution()).exercises
     assert public.mistakes[0].message == "You multiply. Divide instead."
     assert public.mistakes[0].answers == {"0": 6.0, "1": 18.0}
-
-
-def test_a_change_cannot_be_called_before_it_is_applied():
-    (slip,) = catalogue("slip\n    sum => max\n    A message.")
-    with pytest.raises(ChangeError, match="apply it"):
-        slip.function([1.0])
-
-
-def test_inserted_code_can_be_looked_for_in_a_release():
-    (slip,) = catalogue(
-        "slip\n    + total = sum(values) * 2 + len(values)\n    + return total\n    A message."
-    )
-    assert list(fingerprints(slip.function.inserted))

@@ -60,18 +60,16 @@ def test_a_declaration_that_declares_nothing_is_refused(tmp_path, text):
     (tmp_path / "91_bad.py").write_text(text)
     with pytest.raises(PlanError, match=r"91_bad\.py: "):
         load_plan(tmp_path / "91_bad.py")
+
+
+def test_a_declaration_that_is_missing_or_a_lesson_that_is_not_built_is_said(tmp_path):
     with pytest.raises(FileNotFoundError):
         load_plan(tmp_path / "missing.py")
-
-
-def test_a_lesson_that_is_not_built_is_said_so(tmp_path):
     folder = toy.solutions(tmp_path / "solutions")
     (folder / "90_toy.ipynb").unlink()
     with pytest.raises(FileNotFoundError, match="nao-course build"):
         reference("90", folder)
 
-
-# --- answers that are rounding errors ---
 
 _DIFFERENCES = np.array([[1.1, -1.1, 0.0], [0.0, 0.7, -0.7]])
 SINGULAR = _DIFFERENCES.T @ _DIFFERENCES  # but for rounding
@@ -84,20 +82,28 @@ def solve(omega, xi):
     return np.linalg.solve(omega, xi)
 
 
-def _published(*mistakes):
-    exercise = Exercise(
-        name="solve",
+START = np.array([0.1, 0.2, -0.3])
+
+
+def exercise_of(name, cases, *mistakes, **more):
+    return Exercise(
+        name=name,
         points=1,
-        public=lambda: [
-            Case((SINGULAR, np.array([0.1, 0.2, -0.3])), "no start", raises="ZeroDivisionError"),
-            Case((SINGULAR + np.diag([1.0, 0, 0]), np.array([0.1, 0.2, -0.3])), "held"),
-        ],
+        public=lambda: cases,
         hidden=lambda rng: [],
         hints=("", ""),
         mistakes=[Mistake(each.__name__, each, each.__name__) for each in mistakes],
         alternatives={},
+        **more,
     )
-    return publish_exercise("1.1", exercise, solve)
+
+
+def _published(*mistakes):
+    cases = [
+        Case((SINGULAR, START), "no start", raises="ZeroDivisionError"),
+        Case((SINGULAR + np.diag([1.0, 0, 0]), START), "held"),
+    ]
+    return publish_exercise("1.1", exercise_of("solve", cases, *mistakes), solve)
 
 
 def elsewhere(function):
@@ -125,19 +131,16 @@ def transposed(omega, xi):
 
 
 def test_a_mistakes_answer_that_is_a_rounding_error_is_marked_and_no_other():
-    public = _published(unguarded, raises_or_not, shortest, transposed)
-    marked = [
-        [key for key, each in mistake.answers.items() if is_unstable(each)] for mistake in public.mistakes
-    ]
+    mistakes = _published(unguarded, raises_or_not, shortest, transposed).mistakes
+    marked = [[key for key, each in mistake.answers.items() if is_unstable(each)] for mistake in mistakes]
     assert marked == [["0"], ["0"], [], []]
-    assert public.mistakes[1].answers["0"] == {"unstable": {"raises": "LinAlgError"}}
+    assert mistakes[1].answers["0"] == {"unstable": {"raises": "LinAlgError"}}
 
 
 @pytest.mark.parametrize("mistake", [unguarded, raises_or_not, shortest, transposed])
 def test_a_mistake_is_recognised_on_another_processor(mistake):
-    public = unpack(
-        pack(PublicLesson("01_a", [_published(shortest, transposed, mistake)], [], []))
-    ).exercises[0]
+    lesson = PublicLesson("01_a", [_published(shortest, transposed, mistake)], [], [])
+    (public,) = unpack(pack(lesson)).exercises
     assert grade_public(public, elsewhere(solve))
     for _ in range(3):
         assert mistake.__name__ in grade_public(public, elsewhere(mistake)).lines
@@ -153,15 +156,7 @@ def test_a_mistake_is_recognised_on_another_processor(mistake):
 )
 def test_an_answer_that_changes_with_the_inputs_alone_is_no_rounding_error(right, comparison, mistake):
     """The inputs of a case are the same on each processor."""
-    exercise = Exercise(
-        name="whole",
-        points=1,
-        public=lambda: [Case((np.array([1.0, 2.0, 3.0, 4.0]),))],
-        hidden=lambda rng: [],
-        hints=("", ""),
-        mistakes=[Mistake("a", mistake, "a")],
-        alternatives={},
-        comparison=comparison,
-    )
+    whole = np.array([1.0, 2.0, 3.0, 4.0])
+    exercise = exercise_of("whole", [Case((whole,))], mistake, comparison=comparison)
     (answer,) = publish_exercise("1.1", exercise, right).mistakes[0].answers.values()
-    assert answer.tolist() == mistake(np.array([1.0, 2.0, 3.0, 4.0])).tolist()
+    assert answer.tolist() == mistake(whole).tolist()

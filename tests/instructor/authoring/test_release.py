@@ -72,8 +72,6 @@ def test_only_the_chosen_lessons_are_released():
     ]
 
 
-# --- making one ---
-
 BESIDE = (*release.AS_THEY_ARE, release.README)
 
 
@@ -94,10 +92,12 @@ def test_two_releases_of_one_course_are_the_same_bytes(finished, tmp_path, monke
     assert all(name.startswith("nao-course/") for name in zipfile.ZipFile(first).namelist())
 
 
-def test_a_lesson_that_is_not_built_is_not_released(finished, tmp_path):
-    course = replace(finished, version="another")
+def test_a_lesson_that_is_not_built_or_a_release_with_a_problem_is_not_made(finished, tmp_path, monkeypatch):
     with pytest.raises(LessonError, match="01_toy.ipynb.*run `nao-course build` first"):
-        release.make_release(course, tmp_path / "out")
+        release.make_release(replace(finished, version="another"), tmp_path / "out")
+    monkeypatch.setattr(release, "release_problems", lambda course, files: ["x.py holds a secret"])
+    with pytest.raises(LessonError, match=r"x\.py holds a secret"):
+        release.make_release(finished, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -111,27 +111,14 @@ def test_a_course_that_was_built_on_another_processor_is_released_as_it_is(finis
         assert made.read("nao-course/nao_course/exercises/checks/01_toy.bin") == theirs
 
 
-def test_a_release_with_a_problem_is_not_made(finished, tmp_path, monkeypatch):
-    monkeypatch.setattr(release, "release_problems", lambda course, files: ["x.py holds a secret"])
-    with pytest.raises(LessonError, match=r"x\.py holds a secret"):
-        release.make_release(finished, tmp_path / "out")
-    assert not (tmp_path / "out").exists()
-
-
 def test_an_instructors_answer_in_a_release_is_refused(course):
     with_a_written_question(course)
     assert run("build").exit_code == 0
-    there = Path("notebooks/01_toy.ipynb")
-    files = {"release/notebooks/01_toy.ipynb": there.read_bytes()}
-    assert release_problems(course, files) == []
-    leaking = there.read_text().replace(ANSWER_HERE, "Because two times one is two.")
-    assert any(
-        "your answer to say_why is in it" in each
-        for each in release_problems(course, {"release/notebooks/01_toy.ipynb": leaking.encode()})
-    )
-
-
-# --- copies with a name ---
+    there = Path("notebooks/01_toy.ipynb").read_text()
+    assert release_problems(course, {"release/notebooks/01_toy.ipynb": there.encode()}) == []
+    leaking = there.replace(ANSWER_HERE, "Because two times one is two.").encode()
+    found = release_problems(course, {"release/notebooks/01_toy.ipynb": leaking})
+    assert any("your answer to say_why is in it" in each for each in found)
 
 
 def test_each_student_gets_the_release_with_their_name_in_it(finished, tmp_path, monkeypatch):
@@ -151,14 +138,14 @@ def test_each_student_gets_the_release_with_their_name_in_it(finished, tmp_path,
 
 def test_names_are_read_from_lines_and_from_a_table(tmp_path):
     path = tmp_path / "names.txt"
-    path.write_text("\ufeffada\n\n  bob \n", encoding="utf-8")
-    assert release.read_students(path) == ["ada", "bob"]
-    path.write_text('student,email\n"Lovelace, Ada",a@b\nbob,\n', encoding="utf-8")
-    assert release.read_students(path) == ["Lovelace, Ada", "bob"]
-    path.write_text('Student,ID,Section\n"Lovelace, Ada",12,A\n', encoding="utf-8")
-    assert release.read_students(path) == ["lovelaceada_12"]
-    path.write_text("Identifier,Full name\nParticipant 12,Ada Lovelace\n", encoding="utf-8")
-    assert release.read_students(path) == ["Ada Lovelace_12"]
+    for text, names in {
+        "\ufeffada\n\n  bob \n": ["ada", "bob"],
+        'student,email\n"Lovelace, Ada",a@b\nbob,\n': ["Lovelace, Ada", "bob"],
+        'Student,ID,Section\n"Lovelace, Ada",12,A\n': ["lovelaceada_12"],
+        "Identifier,Full name\nParticipant 12,Ada Lovelace\n": ["Ada Lovelace_12"],
+    }.items():
+        path.write_text(text, encoding="utf-8")
+        assert release.read_students(path) == names
 
 
 @pytest.mark.parametrize(
@@ -180,8 +167,6 @@ def test_names_that_cannot_be_used_are_refused(tmp_path, content, message):
     with pytest.raises(LessonError, match="cannot read"):
         release.read_students(tmp_path / "nothing.txt")
 
-
-# --- nbgrader ---
 
 NOISE = """
 

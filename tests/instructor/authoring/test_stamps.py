@@ -56,47 +56,39 @@ def test_only_what_was_edited_differs_in_the_text(built):
     assert built.text("01_toy").read_text() == before.replace("Words with $x^2$ and `code`.", "Changed.")
 
 
-def test_when_both_were_edited_nothing_is_written(built):
+def test_an_edited_notebook_is_not_built_over_and_when_both_were_edited_nothing_is_written(built):
     edit(as_jupyterlab_does)
-    write(built.text("01_toy"), "Words", "My words")
-    before = contents(built.root)
-    result = run("build", "--from-notebook", "01")
-    assert (
-        result.exit_code == 1 and "were both edited since the last build; nothing is written" in result.output
-    )
-    assert contents(built.root) == before
+    for words, said in (
+        (["build"], "--from-notebook 01"),
+        (["build", "--from-notebook", "01"], "were both edited since the last build; nothing is written"),
+    ):
+        if len(words) > 1:
+            write(built.text("01_toy"), "Words", "My words")
+        before = contents(built.root)
+        result = run(*words)
+        assert result.exit_code == 1 and said in result.output
+        assert contents(built.root) == before
 
 
-def test_an_edited_notebook_is_not_built_over(built):
-    edit(as_jupyterlab_does)
-    before = contents(built.root)
-    result = run("build")
-    assert result.exit_code == 1 and "--from-notebook 01" in result.output
-    assert contents(built.root) == before
+UNHELD = {
+    "nothing": (lambda cells: None, "there is nothing to bring back"),
+    "attachment": (
+        lambda cells: cells[2].update(attachments={"a.png": {"image/png": ""}}),
+        "cell 3.*a picture was pasted",
+    ),
+    "a break": (lambda cells: cells[2].update(source="one\n\n+++\n\ntwo"), "cell 3.*MyST would read it"),
+    "a graded text": (
+        lambda cells: cells[2].metadata.update(nbgrader={"grade": True}),
+        "cell 3.*a graded text cell is a written answer",
+    ),
+    "broken code": (lambda cells: cells[3].update(source="def double(value):"), "cell 4.*is not Python"),
+    "points": (lambda cells: cells[4].metadata.nbgrader.update(points=7), "points of double were changed"),
+}
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (lambda cells: None, "there is nothing to bring back"),
-        (
-            lambda cells: cells[2].update(attachments={"a.png": {"image/png": ""}}),
-            r"cell 3.*a picture was pasted",
-        ),
-        (
-            lambda cells: cells[2].update(source="one\n\n+++\n\ntwo"),
-            r"cell 3.*MyST would read it as another cell",
-        ),
-        (
-            lambda cells: cells[2].metadata.update(nbgrader={"grade": True}),
-            r"cell 3.*a graded text cell is a written answer",
-        ),
-        (lambda cells: cells[3].update(source="def double(value):"), r"cell 4.*is not Python"),
-        (lambda cells: cells[4].metadata.nbgrader.update(points=7), "the points of double were changed"),
-    ],
-    ids=["nothing", "attachment", "a break", "a graded text", "broken code", "points"],
-)
-def test_what_text_cannot_hold_is_refused(built, change, said):
+@pytest.mark.parametrize("what", UNHELD)
+def test_what_text_cannot_hold_is_refused(built, what):
+    change, said = UNHELD[what]
     edit(change)
     before = contents(built.root)
     result = run("build", "--from-notebook", "01")
@@ -104,67 +96,43 @@ def test_what_text_cannot_hold_is_refused(built, change, said):
     assert contents(built.root) == before
 
 
-# --- what was edited and not built ---
-
-
 def edits_of(course):
     """What an author may have done since the build, and what is said of it."""
-    build = "was edited since it was built: run `nao-course build 01`"
+    build, there = "was edited since it was built: run `nao-course build 01`", "solutions/01_toy.ipynb"
     return {
-        "nothing": (lambda: None, ""),
-        "text": (
-            lambda: write(course.text("01_toy"), "Words", "Other words"),
-            f"solutions/01_toy.md {build}",
-        ),
+        "text": (lambda: write(course.text("01_toy"), "Words", "Words, too"), f"solutions/01_toy.md {build}"),
         "declaration": (
             lambda: write(course.declaration("01_toy"), '"Look."', '"See."'),
             f"solutions/exercises/01_toy.py {build}",
         ),
         "notebook": (
             lambda: edit(lambda cells: cells[2].update(source="Changed.")),
-            "solutions/01_toy.ipynb was edited since it was built: bring that back",
+            f"{there} was edited since it was built: bring that back",
         ),
-        "no notebook": (
-            Path("solutions/01_toy.ipynb").unlink,
-            "there is no solutions/01_toy.ipynb: run `nao-course",
-        ),
-        "not run": (
-            lambda: run("build", "--no-execute"),
-            "solutions/01_toy.ipynb was built without being run: run",
-        ),
+        "no notebook": (Path(there).unlink, f"there is no {there}: run `nao-course"),
+        "not run": (lambda: run("build", "--no-execute"), f"{there} was built without being run: run"),
     }
 
 
+EDITS = ("text", "declaration", "notebook", "no notebook")
 COMMANDS = {
-    "mutate": ("mutate", "01"),
-    "grade": ("grade", "handed_in", "--out", "grades"),
-    "release": ("release", "--out", "dist"),
+    ("mutate", "01"): EDITS,
+    ("grade", "handed_in", "--out", "grades"): EDITS,
+    ("release", "--out", "dist"): (*EDITS, "not run"),
 }
 
 
-EDITED = [
-    (what, command) for what in ("text", "declaration", "notebook", "no notebook") for command in COMMANDS
-]
-
-
-@pytest.mark.parametrize(("what", "command"), [*EDITED, ("not run", "release")])
-def test_what_was_edited_and_not_built_stops_mutate_grade_and_release(built, monkeypatch, command, what):
-    secret = built.root / "secret"
-    secret.write_bytes(b"a secret of enough bytes")
-    secret.chmod(0o600)
-    monkeypatch.setenv("NAO_COURSE_SECRET", str(secret))
+@pytest.mark.parametrize(("command", "what"), [(each, what) for each in COMMANDS for what in COMMANDS[each]])
+def test_what_was_edited_and_not_built_stops_mutate_grade_and_release(built, secret, command, what):
+    stamps.refuse_what_is_not_built(built, ["01_toy"], executed=True)
     (built.root / "handed_in" / "ada").mkdir(parents=True)
     shutil.copy("notebooks/01_toy.ipynb", built.root / "handed_in" / "ada")
     edit_it, said = edits_of(built)[what]
     edit_it()
     before = contents(built.root)
-    result = run(*COMMANDS[command])
+    result = run(*command)
     assert result.exit_code == 1 and said in result.output, result.output
     assert contents(built.root) == before
-
-
-def test_what_is_built_is_not_refused(built):
-    stamps.refuse_what_is_not_built(built, ["01_toy"], executed=True)
 
 
 def test_a_lesson_that_is_built_without_being_run_has_all_but_outputs_and_its_stamp_is_whole(course):

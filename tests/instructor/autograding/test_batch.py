@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from functools import reduce
 from pathlib import Path
 
 import psutil
@@ -31,42 +32,30 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and modes of
 
 
 @pytest.fixture
-def course(tmp_path):
-    return chain.make_course(tmp_path / "course")
+def toy(tmp_path):
+    """A prepared lesson and the submissions of a small class."""
+    course = chain.make_course(tmp_path / "course")
+    found = of_lessons(gather(hand_in(tmp_path / "in"), tmp_path, course.names()), course.names())
+    return prepare(course, "90", chain.SECRET), found
 
 
-@pytest.fixture(scope="module")
-def server(warm_server):
-    return warm_server
-
-
-@pytest.fixture
-def handed_in(tmp_path):
-    return hand_in(tmp_path / "in")
-
-
-def test_neither_order_nor_jobs_change_a_result(course, server, handed_in, tmp_path):
-    assignment = prepare(course, "90", chain.SECRET)
-    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
-    results = []
+def test_neither_order_nor_jobs_change_a_result(toy, warm_server, tmp_path):
+    (assignment, found), results = toy, []
     for jobs in (1, 4):
         random.Random(jobs).shuffle(found)
         grades = tmp_path / f"grades{jobs}"
         with Journal(grades) as journal:
             publish = batch.feedback_writer(journal, grades / "feedback")
             summary = grade_all(
-                found, lambda lesson: assignment, journal, jobs=jobs, server=server, publish=publish
+                found, lambda _: assignment, journal, jobs=jobs, server=warm_server, publish=publish
             )
         assert (summary.graded, len(summary.refused), summary.failed) == (5, 1, [])
-        pages = {
-            path.relative_to(grades): path.read_bytes()
-            for path in sorted((grades / "feedback").rglob("*.html"))
-        }
+        pages = {path.relative_to(grades): path.read_bytes() for path in grades.rglob("feedback/**/*.html")}
         results.append((json.dumps(list(kept(grades).values())), pages))
     assert results[0] == results[1] and len(results[0][1]) == 6
 
 
-def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, monkeypatch):
+def test_submissions_are_taken_only_as_results_come(toy, tmp_path, monkeypatch):
     path = chain.hand_in(tmp_path, "x", b"{}")
     taken, most = [], []
 
@@ -78,56 +67,50 @@ def test_submissions_are_taken_only_as_results_come(course, server, tmp_path, mo
     def done(submission):
         most.append(len(taken) - len(most))
 
-    assignment = prepare(course, "90", chain.SECRET)
-    monkeypatch.setattr(batch, "grade", lambda submission, assignment, **_: refusal(submission, assignment))
+    monkeypatch.setattr(batch, "grade", lambda submission, given, **_: refuse(submission, given, "no"))
     with Journal(tmp_path / "grades") as journal:
-        summary = grade_all(many(), lambda lesson: assignment, journal, jobs=2, tell=done)
+        summary = grade_all(many(), lambda _: toy[0], journal, jobs=2, tell=done)
     assert len(most) == 500 and max(most) <= 5
     refused = [each.student for each in summary.refused]
     assert refused == sorted(refused), "the lists of a run are in the same order however it went"
 
 
-def test_a_page_that_cannot_be_written_stops_nobody_and_its_result_is_kept(
-    course, server, handed_in, tmp_path
-):
-    assignment = prepare(course, "90", chain.SECRET)
-    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
-
+def test_a_page_that_cannot_be_written_stops_nobody_and_its_result_is_kept(toy, warm_server, tmp_path):
     def publish(result):
         if result.student == "bob":
             raise OverflowError("date value out of range")
 
+    assignment, found = toy
     with Journal(tmp_path / "grades") as journal:
-        grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server, publish=publish)
+        grade_all(found, lambda _: assignment, journal, jobs=2, server=warm_server, publish=publish)
         assert len(journal.results()) == len(found)
         (problem,) = journal.problems
     assert problem.startswith("bob, 90_chain:") and "OverflowError: date value out of range" in problem
 
 
 GOOD = chain.notebook(answer="Because.")
+
+
+OTHERS = ((chain.LESSON.encode(), b"91_other"), (b"def ", b"def other_"), (b"class ", b"class Other"))
 NEWER = {
     "cut off": GOOD[:200],
     "a page": b"<!DOCTYPE html>",
     "empty": b"",
     "blank": chain.notebook(chain.BLANK),
-    "of another lesson": GOOD.replace(chain.LESSON.encode(), b"91_other")
-    .replace(b"def ", b"def other_")
-    .replace(b"class ", b"class Other"),
+    "of another lesson": reduce(lambda text, change: text.replace(*change), OTHERS, GOOD),
 }
 
 
 @pytest.mark.parametrize("newer", NEWER)
 def test_a_new_notebook_with_nothing_to_grade_keeps_the_earlier_result_and_is_named(
-    course, server, tmp_path, newer
+    toy, warm_server, tmp_path, newer
 ):
-    assignment = prepare(course, "90", chain.SECRET)
-
     def run(number, content):
         root = tmp_path / f"in{number}"
         chain.hand_in(root, "ada", content)
-        found = of_lessons(gather(root, root / "scratch", course.names()), course.names())
+        found = of_lessons(gather(root, root / "scratch", [chain.LESSON]), [chain.LESSON])
         publish = batch.feedback_writer(journal, tmp_path / "feedback")
-        return grade_all(found, lambda lesson: assignment, journal, server=server, publish=publish)
+        return grade_all(found, lambda _: toy[0], journal, server=warm_server, publish=publish)
 
     with Journal(tmp_path / "grades") as journal:
         run(0, GOOD)
@@ -150,14 +133,8 @@ def test_a_new_notebook_with_nothing_to_grade_keeps_the_earlier_result_and_is_na
         assert result.earned < before.earned and result.left_out == ()  # a worse answer is an answer
 
 
-def refusal(submission, assignment):
-    return refuse(submission, assignment, "no")
-
-
-def test_control_c_ends_a_run_and_what_is_done_is_kept(course, server, handed_in, tmp_path):
-    assignment = prepare(course, "90", chain.SECRET)
-    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
-    done = []
+def test_control_c_ends_a_run_and_what_is_done_is_kept(toy, warm_server, tmp_path):
+    (assignment, found), done = toy, []
 
     def tell(submission):
         done.append(submission)
@@ -167,24 +144,23 @@ def test_control_c_ends_a_run_and_what_is_done_is_kept(course, server, handed_in
     grades = tmp_path / "grades"
     with Journal(grades) as journal:
         with pytest.raises(KeyboardInterrupt):
-            grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server, tell=tell)
+            grade_all(found, lambda _: assignment, journal, jobs=2, server=warm_server, tell=tell)
         assert len(journal.results()) == 2
-        assert grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server).unchanged == 2
+        assert grade_all(found, lambda _: assignment, journal, jobs=2, server=warm_server).unchanged == 2
     assert len(kept(grades)) == 6 and rows(grades, "history") == 0
 
 
 @posix
-def test_a_full_disk_ends_the_run_with_a_clear_error(course, server, handed_in, tmp_path, monkeypatch):
-    assignment = prepare(course, "90", chain.SECRET)
-    found = of_lessons(gather(handed_in, tmp_path, course.names()), course.names())
+def test_a_full_disk_ends_the_run_with_a_clear_error(toy, warm_server, tmp_path):
+    assignment, found = toy
     with Journal(tmp_path / "grades") as journal:
         pages = journal._database.execute("PRAGMA page_count").fetchone()[0]
         journal._database.execute(f"PRAGMA max_page_count = {pages + 1}")  # SQLite's own full disk
         with pytest.raises(JournalError, match="full.*Make room on the disk"):
-            grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server)
+            grade_all(found, lambda _: assignment, journal, jobs=2, server=warm_server)
     with Journal(tmp_path / "grades") as journal:
         whole = len(journal.results())
-        assert grade_all(found, lambda lesson: assignment, journal, jobs=2, server=server).unchanged == whole
+        assert grade_all(found, lambda _: assignment, journal, jobs=2, server=warm_server).unchanged == whole
     assert len(kept(tmp_path / "grades")) == 6
 
 
@@ -206,6 +182,9 @@ print(done.graded, flush=True)
 """
 
 
+KILLS = 12
+
+
 def of_this_run(marker):
     """Processes with a marker in their environment or command."""
     found = []
@@ -218,42 +197,37 @@ def of_this_run(marker):
     return found
 
 
+def class_of_100(tmp_path):
+    """A prepared lesson and a hundred submissions of four kinds."""
+    kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
+    for number in range(100):
+        content = chain.notebook(kinds[number % 4], extra=f"n = {number}")
+        chain.hand_in(tmp_path / "in", f"s{number:03}", content)
+    course = chain.make_course(tmp_path / "course")
+    found = gather(tmp_path / "in", tmp_path, course.names()).submissions
+    return prepare(course, "90", chain.SECRET), found
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
-def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server, tmp_path):
-    """Thirty times kill -9 and the same again: each submission has the result of an undisturbed run, once."""
-    root, students = tmp_path / "in", 100
-    kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
-    for number in range(students):
-        chain.hand_in(root, f"s{number:02}", chain.notebook(kinds[number % 4], extra=f"n = {number}"))
-    assignment = prepare(course, "90", chain.SECRET)
+def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(warm_server, tmp_path):
+    """Twelve times kill -9 and the same again: each submission has the result of an undisturbed run, once."""
+    assignment, found = class_of_100(tmp_path)
     (tmp_path / "assignment").write_bytes(pickle.dumps(assignment))
     (tmp_path / "sandbox").write_bytes(pickle.dumps(probe()))
     with Journal(tmp_path / "undisturbed") as journal:
-        found = gather(root, tmp_path, course.names()).submissions
-        grade_all(found, lambda _: assignment, journal, jobs=2, server=server)
+        grade_all(found, lambda _: assignment, journal, jobs=2, server=warm_server)
     wanted = kept(tmp_path / "undisturbed")
     chance, kills, rounds = random.Random(3), 0, 0
     marker = f"PATH_OF_RUN={tmp_path}"
-    environment = os.environ | {
-        "PYTHONPATH": str(PROJECT),
-        "TMPDIR": str(tmp_path),
-        "PATH_OF_RUN": str(tmp_path),
-    }
-    while kills < 30:
-        grades = tmp_path / f"grades{rounds}"
-        rounds += 1
+    environment = os.environ | dict.fromkeys(("TMPDIR", "PATH_OF_RUN"), str(tmp_path))
+    environment |= {"PYTHONPATH": str(PROJECT)}
+    while kills < KILLS:
+        grades, rounds = tmp_path / f"grades{rounds}", rounds + 1
+        places = (tmp_path / "assignment", tmp_path / "in", tmp_path, grades, tmp_path / "sandbox")
+        words = [sys.executable, "-c", KILLED, *map(str, places)]
         while True:
-            words = [
-                str(tmp_path / "assignment"),
-                str(root),
-                str(tmp_path),
-                str(grades),
-                str(tmp_path / "sandbox"),
-            ]
-            process = subprocess.Popen(
-                [sys.executable, "-c", KILLED, *words], stdout=subprocess.PIPE, env=environment
-            )
+            process = subprocess.Popen(words, stdout=subprocess.PIPE, env=environment)
             process.stdout.readline()
             try:
                 process.wait(chance.uniform(0.0, 1.5))
@@ -266,7 +240,7 @@ def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server
             assert process.returncode == -signal.SIGKILL
             assert all(wanted[key] == result for key, result in kept(grades).items())
         assert kept(grades) == wanted
-        assert (rows(grades, "results"), rows(grades, "history")) == (students, 0)
+        assert (rows(grades, "results"), rows(grades, "history")) == (len(found), 0)
     deadline = time.monotonic() + 300
     while of_this_run(marker.encode()) and time.monotonic() < deadline:
         time.sleep(0.2)
@@ -275,19 +249,14 @@ def test_a_grader_killed_at_any_moment_leaves_one_result_for_each(course, server
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
-def test_workers_and_servers_killed_at_any_moment_change_no_result(course, tmp_path):
-    """Send kill -9 thirty times to a worker's process or to the warm server: no result changes.
+def test_workers_and_servers_killed_at_any_moment_change_no_result(tmp_path):
+    """Send kill -9 twelve times to a worker's process or to the warm server: no result changes.
 
     A kill comes at a random moment, but not before every submission that was in progress at the last kill is done. If
     all attempts at a submission were ended at the same place, the grader could not tell this from a submission that
     ends its own process.
     """
-    root, students = tmp_path / "in", 100
-    kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
-    for number in range(students):
-        chain.hand_in(root, f"s{number:03}", chain.notebook(kinds[number % 4], extra=f"n = {number}"))
-    assignment = prepare(course, "90", chain.SECRET)
-    found = gather(root, tmp_path, course.names()).submissions
+    assignment, found = class_of_100(tmp_path)
     chance, kills = random.Random(4), 0
     servers, in_progress, disturbed = [], set(), set()
 
@@ -334,11 +303,11 @@ def test_workers_and_servers_killed_at_any_moment_change_no_result(course, tmp_p
     killer.start()
     try:
         rounds = 0
-        while kills < 30:
+        while kills < KILLS:
             grades, rounds = tmp_path / f"grades{rounds}", rounds + 1
             assert any(one_run(grades) for _ in range(50))  # the same command again goes on where it was
             assert kept(grades) == wanted
-            assert (rows(grades, "results"), rows(grades, "history")) == (students, 0)
+            assert (rows(grades, "results"), rows(grades, "history")) == (len(found), 0)
     finally:
         over.set()
         killer.join()

@@ -64,17 +64,15 @@ def hand_in(folder, lesson, name, copies):
 
 def process_state():
     """What belongs to the whole process and judging must not change."""
+    chance = (random.getstate(), np.random.get_state()[1].tolist())  # noqa: NPY002
+    numbers = (mpmath.mp.prec, np.geterr(), str(np.get_printoptions()), sys.getrecursionlimit())
     return (
-        mpmath.mp.prec,
-        np.geterr(),
-        str(np.get_printoptions()),
+        chance,
+        numbers,
         dict(os.environ),
         os.getcwd(),
-        list(warnings.filters),
-        random.getstate(),
-        np.random.get_state()[1].tolist(),  # noqa: NPY002
+        warnings.filters[:],
         locale.setlocale(locale.LC_ALL),
-        sys.getrecursionlimit(),
     )
 
 
@@ -99,38 +97,26 @@ def test_copies_of_one_submission_have_one_result(lesson, warm_server, tmp_path)
                 kind = result.student.rstrip("0123456789")
                 results[kind].append((replace(result, student="", file=""), page))
 
-            cluster = (
-                stack.enter_context(open_cluster(level, workers=workers, jobs=jobs)) if workers else None
-            )
+            more = {"jobs": jobs, "server": warm_server, "level": level, "publish": publish}
+            if workers:
+                more["workers"] = stack.enter_context(open_cluster(level, workers=workers, jobs=jobs))
             before = process_state()  # Dask changes it for all that follows
-            summary = grade_all(
-                found,
-                lambda _: assignment,
-                journal,
-                jobs=jobs,
-                server=warm_server,
-                level=level,
-                workers=cluster,
-                publish=publish,
-            )
+            summary = grade_all(found, lambda _: assignment, journal, **more)
             assert (summary.graded, summary.failed) == (len(copies), [])
             tables.append(exports.write_csv(journal, tmp_path, lesson).read_bytes())
             assert workers or process_state() == before
     assert all(table == tables[0] for table in tables)
     for kind, equal in results.items():
         assert len(equal) == len(runs) * copies.count(kind)
-        assert all(each == equal[0] for each in equal), [kind, *(each for each in equal if each != equal[0])][
-            :2
-        ]
+        assert not (other := [each for each in equal if each != equal[0]]), (kind, other[0])
     # Without any earlier notebook, too
     assert all(each.state == "right" for each in results["plain"][0][0].exercises)
 
 
 def test_the_precision_of_the_process_stays_while_a_derivative_is_judged(monkeypatch):
     real, seen = exactness._gradients, []
-    monkeypatch.setattr(
-        exactness, "_gradients", lambda *words: (seen.append(mpmath.mp.prec), real(*words))[1]
-    )
+    noted = lambda *words: (seen.append(mpmath.mp.prec), real(*words))[1]  # noqa: E731
+    monkeypatch.setattr(exactness, "_gradients", noted)
     steps = [("symbol", "x"), ("Mul", 0, 0), ("ratio", 2, 1), ("Mul", 0, 2)]
     assert exactness.exact_entries(steps, [1], [[3]], {"x": 0.3}, ["x"]).all()
     assert seen == [mpmath.libmp.dps_to_prec(15)]

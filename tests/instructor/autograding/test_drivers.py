@@ -59,8 +59,8 @@ def assignment():
     x, y = sympy.symbols("x y")
     wrong = namespace["model"], sympy.Matrix([[-y * sympy.cos(x), sympy.sin(x)], [1, 2 * y]])
     exercise = Exercise(
-        name="derive",
-        points=1,
+        "derive",
+        1,
         driver="jacobian",
         comparison=Derivative(("x", "y")),
         public=lambda: [points(np.random.default_rng(1))],

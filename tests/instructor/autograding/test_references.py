@@ -22,6 +22,7 @@ from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import Submission, with_earlier
 from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
 from nao_course.instructor.sandbox.worker import Worker
+from tests.sandboxed import quickly
 from tests.toy import pair
 
 AMPLE = 60.0  # seconds for a call that has to succeed, however busy the machine
@@ -37,18 +38,16 @@ def assignment(tmp_path_factory):
 def marked(warm_server, assignment, tmp_path):
     """Grade a notebook of the second lesson, beside one of the first or none."""
 
-    def grade_it(functions=None, first=None, *, seconds=AMPLE, handed_in=True, **more):
-        path = pair.write(tmp_path / "ada" / f"{pair.SECOND}.ipynb", pair.SECOND, functions, **more)
-        made = Submission("ada", pair.SECOND, path)
+    def grade_it(functions=None, first=None, *, seconds=AMPLE, handed_in=True, given=assignment, **more):
+        folder = tmp_path / "ada"
+        made = Submission("ada", pair.SECOND, pair.write(folder / "2.ipynb", pair.SECOND, functions, **more))
         if handed_in:
             content = first if isinstance(first, bytes) else None
-            earlier = pair.write(
-                tmp_path / "ada" / f"{pair.FIRST}.ipynb", pair.FIRST, None if content else first
-            )
+            earlier = pair.write(folder / f"{pair.FIRST}.ipynb", pair.FIRST, None if content else first)
             if content:
                 earlier.write_bytes(content)
             made = replace(made, earlier=(Submission("ada", pair.FIRST, earlier),))
-        return grade(made, replace(assignment, seconds=seconds), warm_server)
+        return grade(made, replace(given, seconds=seconds), warm_server)
 
     return grade_it
 
@@ -62,6 +61,8 @@ def of(result, name):
 
 
 ALL = {name: float(points) for name, points in pair.POINTS.items()}
+STOOD_IN_FOR = ALL | {"walk": 2.0}
+WALKER = pair.RIGHT[pair.SECOND]["Walker"]
 
 
 def test_earlier_work_that_was_handed_in_is_used(marked):
@@ -70,23 +71,20 @@ def test_earlier_work_that_was_handed_in_is_used(marked):
     assert not any(each.with_reference or each.notes for each in result.exercises) and result.notes == ()
 
 
-def test_without_earlier_work_it_is_judged_with_the_references_and_says_so(marked):
-    result = marked(handed_in=False)
-    assert earned(result) == ALL | {"walk": 2.0}
+@pytest.mark.parametrize("first", [None, b"{"], ids=["missing", "no notebook"])
+def test_without_earlier_work_it_is_judged_with_the_references_and_says_so(marked, first):
+    result = marked(first=first, handed_in=first is not None)
+    assert earned(result) == STOOD_IN_FOR
     quadruple, tally = of(result, "quadruple"), of(result, "tally")
     assert quadruple.with_reference and tally.with_reference
-    assert (
-        "Run again with the reference's double of lesson 80 instead of yours: it is right."
-        in quadruple.notes[0]
-    )
-    assert "Of lesson 80 there is no notebook of yours that could be read." in quadruple.notes[0]
+    assert "Run again with the reference's double of lesson 80 instead of yours: it is" in quadruple.notes[0]
+    assert ("Of lesson 80 there is no notebook of yours" in quadruple.notes[0]) == (first is None)
     assert "all 2 public checks pass" in quadruple.public[0]  # as the check says that is run in the notebook
     assert quadruple.public[-1] == STOOD_IN
 
 
 def test_the_page_says_of_the_public_cases_what_the_check_says_in_the_notebook(marked):
-    wrong_here = {"quadruple": "def quadruple(x):\n    return double(x)"}
-    own = of(marked(wrong_here), "quadruple").public
+    own = of(marked({"quadruple": "def quadruple(x):\n    return double(x)"}), "quadruple").public
     assert "all 2" not in own[0] and STOOD_IN not in own
     wrong_before = of(marked(first={"double": "def double(x):\n    return x"}), "quadruple").public
     assert "all 2 public checks pass" in wrong_before[0] and wrong_before[-1] == STOOD_IN
@@ -94,58 +92,42 @@ def test_the_page_says_of_the_public_cases_what_the_check_says_in_the_notebook(m
 
 def test_wrong_earlier_work_costs_nothing_here_and_a_wrong_function_of_their_own_does(marked):
     result = marked(first={"double": "def double(x):\n    return x"})
-    assert earned(result) == ALL | {"walk": 2.0}
-    assert (
-        "Yours of lesson 80 came from the 80_first.ipynb that you handed in."
-        in of(result, "quadruple").notes[0]
-    )
+    assert earned(result) == STOOD_IN_FOR
+    assert "lesson 80 came from the 80_first.ipynb that you handed in." in of(result, "quadruple").notes[0]
     wrong = marked({"tally": "def tally(x):\n    return Counter().total()"}, first={"Counter": "pass"})
     assert earned(wrong) == ALL | {"tally": 0.0}
-    assert (
-        "reference's Counter of lesson 80 instead of yours: it is not right either"
-        in of(wrong, "tally").notes[0]
-    )
+    said = "reference's Counter of lesson 80 instead of yours: it is not right either"
+    assert said in of(wrong, "tally").notes[0]
 
 
 def test_a_wrong_class_of_the_lesson_is_replaced_where_another_exercise_uses_it(marked):
-    wrong = pair.RIGHT[pair.SECOND]["Walker"].replace("+=", "-=")
-    result = marked({"Walker": wrong})
-    assert earned(result) == ALL | {"Walker": 0.0, "walk": 2.0}
-    assert (
-        "Run again with the reference's Walker and quadruple instead of yours" in of(result, "walk").notes[0]
-    )
+    wrong = WALKER.replace("+=", "-=")
     heir = "class Heir(Walker):\n    pass\n" + pair.RIGHT[pair.SECOND]["walk"].replace("Walker(", "Heir(")
-    assert earned(marked({"Walker": wrong, "walk": heir})) == ALL | {"Walker": 0.0, "walk": 2.0}
-    assert earned(marked({"Walker": "pass"})) == ALL | {"Walker": 0.0, "walk": 2.0}
+    result = marked({"Walker": wrong})
+    said = "Run again with the reference's Walker and quadruple instead of yours"
+    assert said in of(result, "walk").notes[0]
+    for each in (result, marked({"Walker": wrong, "walk": heir}), marked({"Walker": "pass"})):
+        assert earned(each) == STOOD_IN_FOR | {"Walker": 0.0}
+    both = marked({"Walker": "pass", "quadruple": "def quadruple(x):\n    return x"})
+    assert earned(both) == STOOD_IN_FOR | {"Walker": 0.0, "quadruple": 0.0}
 
 
 def test_what_an_answer_uses_undeclared_stands_in_as_well(marked):
     helper = "def twice(x):\n    return double(x)\n"
     undeclared = {"alone": "def alone(x):\n    return twice(x) - x + 1"}
-    result = marked(undeclared, handed_in=False, before=helper)
-    assert of(result, "alone").earned == ALL["alone"]
-    assert "reference's double of lesson 80 instead of yours: it is right" in of(result, "alone").notes[0]
-    walker = pair.RIGHT[pair.SECOND]["Walker"].replace("self.at = start", "self.at = double(start) / 2")
-    result = marked({"Walker": walker}, handed_in=False)
-    assert earned(result) == ALL | {"walk": 2.0}
+    alone = of(marked(undeclared, handed_in=False, before=helper), "alone")
+    assert alone.earned == ALL["alone"]
+    assert "reference's double of lesson 80 instead of yours: it is right" in alone.notes[0]
+    walker = WALKER.replace("self.at = start", "self.at = double(start) / 2")
+    assert earned(marked({"Walker": walker}, handed_in=False)) == STOOD_IN_FOR
 
 
-def test_a_class_of_the_reference_has_what_it_uses_undeclared(tmp_path, warm_server, monkeypatch):
-    source = pair.RIGHT[pair.SECOND]["Walker"].replace("self.at = start", "self.at = double(start) / 2")
-    monkeypatch.setitem(pair.RIGHT[pair.SECOND], "Walker", source)
-    course = pair.make_course(tmp_path / "course")
-    path = pair.write(tmp_path / "ada" / f"{pair.SECOND}.ipynb", pair.SECOND, {"Walker": "pass"})
-    result = grade(
-        Submission("ada", pair.SECOND, path),
-        replace(prepare(course, "81", pair.SECRET), seconds=AMPLE),
-        warm_server,
-    )
-    assert earned(result) == ALL | {"Walker": 0.0, "walk": 2.0}
-
-
-def test_a_class_and_the_functions_that_it_uses_are_both_replaced(marked):
-    result = marked({"Walker": "pass", "quadruple": "def quadruple(x):\n    return x"})
-    assert earned(result) == ALL | {"quadruple": 0.0, "Walker": 0.0, "walk": 2.0}
+def test_a_class_of_the_reference_has_what_it_uses_undeclared(marked, tmp_path, monkeypatch):
+    walker = WALKER.replace("self.at = start", "self.at = double(start) / 2")
+    monkeypatch.setitem(pair.RIGHT[pair.SECOND], "Walker", walker)
+    given = prepare(pair.make_course(tmp_path / "course"), "81", pair.SECRET)
+    result = marked({"Walker": "pass"}, handed_in=False, given=given)
+    assert earned(result) == STOOD_IN_FOR | {"Walker": 0.0}
 
 
 def test_who_reads_the_references_class_gains_nothing_elsewhere(marked):
@@ -168,24 +150,11 @@ HOSTILE = {
 }
 
 
-@pytest.mark.parametrize(
-    "kind",
-    [
-        each if each in ("killing", "patching") else pytest.param(each, marks=pytest.mark.slow)
-        for each in HOSTILE
-    ],
-)
+@pytest.mark.parametrize("kind", quickly(HOSTILE, "killing", "patching"))
 def test_a_hostile_earlier_notebook_costs_only_what_uses_it(marked, kind):
-    seconds = 2.0 if kind == "endless" else AMPLE
-    result = marked(first={"double": HOSTILE[kind]}, seconds=seconds)
-    got = earned(result)
-    assert got["alone"] == 16 and result.status == "graded"
-    assert got["quadruple"] in ((0.0,) if kind == "patching" else (1.0,))
-
-
-def test_an_earlier_notebook_that_is_none_counts_as_missing(marked):
-    result = marked(first=b"{")
-    assert earned(result) == ALL | {"walk": 2.0}
+    result = marked(first={"double": HOSTILE[kind]}, seconds=2.0 if kind == "endless" else AMPLE)
+    assert earned(result)["alone"] == 16 and result.status == "graded"
+    assert earned(result)["quadruple"] == (0.0 if kind == "patching" else 1.0)
 
 
 def test_a_patched_driver_or_resolver_gains_nothing(marked):
@@ -199,13 +168,10 @@ def test_a_patched_driver_or_resolver_gains_nothing(marked):
     assert earned(result)["Walker"] == 0.0 and earned(result)["alone"] == 16
 
 
-def test_the_set_up_cell_that_counts_is_the_releases(marked, assignment):
+def test_the_set_up_cell_that_counts_is_the_releases(marked, monkeypatch):
     edited = "from nao_course.student import earlier\ndouble = earlier('80:Counter')"
-    try:
-        whole, pair.SETUP[pair.SECOND] = pair.SETUP[pair.SECOND], edited
-        assert earned(marked())["quadruple"] == 1
-    finally:
-        pair.SETUP[pair.SECOND] = whole
+    monkeypatch.setitem(pair.SETUP, pair.SECOND, edited)
+    assert earned(marked())["quadruple"] == 1
 
 
 @pytest.mark.parametrize("warm", [True, False])
@@ -223,23 +189,28 @@ def test_helper_files_of_two_lessons_may_have_one_name(assignment, warm_server, 
     assert earned(result) == ALL, [(each.name, each.text, each.line) for each in result.exercises]
 
 
-def test_what_a_lent_function_says_beside_its_answer_stays_with_the_grader(assignment):
+@pytest.fixture
+def references(assignment):
     with ExitStack() as stack:
-        references = References(assignment, None, stack, 5.0, Allowance())
-        outcome = Outcome("raised", text="ValueError", line="line 3: the solution's", output="its print")
-        references.workers["80"] = SimpleNamespace(call=lambda *_: outcome)
-        assert references.function("80:double")((1.0,), {}) == Outcome("raised", text="ValueError")
+        yield lambda given=assignment, seconds=5.0, spent=None: References(
+            given, None, stack, seconds, spent or Allowance()
+        )
 
 
-def test_the_reference_of_each_lesson_has_those_before_it(assignment):
+def test_what_a_lent_function_says_beside_its_answer_stays_with_the_grader(references):
+    made = references()
+    outcome = Outcome("raised", text="ValueError", line="line 3: the solution's", output="its print")
+    made.workers["80"] = SimpleNamespace(call=lambda *_: outcome)
+    assert made.function("80:double")((1.0,), {}) == Outcome("raised", text="ValueError")
+
+
+def test_the_reference_of_each_lesson_has_those_before_it(assignment, references):
     first = assignment.earlier[0]
-    third = replace(assignment, lesson="82_third", earlier=(first, replace(first, lesson=pair.SECOND)))
-    with ExitStack() as stack:
-        references = References(third, None, stack, 5.0, Allowance())
-        of = {
-            number: [each.lesson for each in references.worker(number).earlier] for number in ("80", "81", "")
-        }
-    assert of == {"80": [], "81": [pair.FIRST], "": [pair.FIRST, pair.SECOND]}
+    made = references(
+        replace(assignment, lesson="82_third", earlier=(first, replace(first, lesson=pair.SECOND)))
+    )
+    earlier = {number: [each.lesson for each in made.worker(number).earlier] for number in ("80", "81", "")}
+    assert earlier == {"80": [], "81": [pair.FIRST], "": [pair.FIRST, pair.SECOND]}
 
 
 FLOOD = """
@@ -270,11 +241,13 @@ def test_a_flood_of_questions_ends_with_the_time_to_answer_them(marked, monkeypa
 
 
 def test_who_stops_the_grader_does_not_wait_for_a_flood_of_questions(assignment, warm_server, tmp_path):
-    path = pair.write(tmp_path / "ada" / f"{pair.SECOND}.ipynb", pair.SECOND, {"quadruple": FLOOD})
     asked = count()
     with pytest.raises(Stopped):
         grade(
-            Submission("ada", pair.SECOND, path), assignment, warm_server, stopped=lambda: next(asked) > 200
+            second_of(tmp_path, {"quadruple": FLOOD}),
+            assignment,
+            warm_server,
+            stopped=lambda: next(asked) > 200,
         )
 
 
@@ -299,64 +272,56 @@ def test_notebooks_with_large_outputs_are_graded_in_the_space_that_a_worker_has(
     assert earned(marked(first=content)) == ALL
 
 
-def test_what_is_asked_of_the_reference_has_the_time_of_one_submission(assignment):
-    with ExitStack() as stack:
-        spent = Allowance()
-        references = References(assignment, None, stack, AMPLE, spent)
-        assert references.function("80:double")((1.0,), {}).value == 2.0
-        assert 0 < spent.spent < spent.seconds
-        spent.spent = spent.seconds
-        for _ in range(3):
-            assert references.function("80:double")((1.0,), {}).status == "timed out"
-        assert references.function("quadruple")((1.0,), {}).status == "timed out", "one for all lessons"
+def test_what_is_asked_of_the_reference_has_the_time_of_one_submission(references):
+    spent = Allowance()
+    made = references(seconds=AMPLE, spent=spent)
+    assert made.function("80:double")((1.0,), {}).value == 2.0
+    assert 0 < spent.spent < spent.seconds
+    spent.spent = spent.seconds
+    assert made.function("80:double")((1.0,), {}).status == "timed out"
+    assert made.function("quadruple")((1.0,), {}).status == "timed out", "one for all lessons"
 
 
-def test_all_tries_share_the_time_of_the_reference_and_each_exercise_has_its_own(
-    assignment, warm_server, tmp_path, monkeypatch
-):
+@pytest.fixture
+def noted(monkeypatch):
+    """What References were given, at each time."""
     given = []
 
     class Noted(References):
         def __init__(self, *args):
-            given.append(args[-1])
+            given.append(args)
             super().__init__(*args)
 
     monkeypatch.setattr(grader_module, "References", Noted)
-    tries = iter([1, 1, 0])
-    real = grader_module._grade
+    return given
+
+
+def test_all_tries_share_the_time_of_the_reference_and_each_exercise_has_its_own(
+    assignment, warm_server, tmp_path, monkeypatch, noted
+):
+    tries, real = iter([1, 1, 0]), grader_module._grade
     monkeypatch.setattr(grader_module, "_grade", lambda *args: (real(*args)[0], next(tries)))
     grade(second_of(tmp_path), assignment, warm_server)
-    assert (
-        len(given) == 2 * len({id(each) for each in given}) and len({id(each.common) for each in given}) == 1
-    )
+    spent = [args[-1] for args in noted]
+    assert len(spent) == 2 * len({id(each) for each in spent})
+    assert len({id(each.common) for each in spent}) == 1
 
 
 def second_of(folder, functions=None):
     return Submission("ada", pair.SECOND, pair.write(folder / f"{pair.SECOND}.ipynb", pair.SECOND, functions))
 
 
-def test_a_lent_function_has_the_time_of_the_exercise_that_calls_it(
-    assignment, warm_server, tmp_path, monkeypatch
-):
-    given = set()
-
-    class Noted(References):
-        def __init__(self, *args):
-            given.add(args[-2])
-            super().__init__(*args)
-
-    monkeypatch.setattr(grader_module, "References", Noted)
+def test_a_lent_function_has_the_time_of_the_exercise_that_calls_it(assignment, warm_server, tmp_path, noted):
     tasks = [replace(task, public=replace(task.public, seconds=2 * AMPLE)) for task in assignment.tasks]
     grade(second_of(tmp_path), replace(assignment, tasks=tuple(tasks)), warm_server)
-    assert given == {2 * AMPLE}
+    assert {args[-2] for args in noted} == {2 * AMPLE}
 
 
 def test_what_is_lent_is_lent_until_it_is_not(tmp_path):
     first = pair.write(tmp_path / "a.ipynb", pair.FIRST)
     own = EarlierNotebook(pair.FIRST, first.read_bytes(), setup=pair.SETUP[pair.FIRST])
-    with Worker(
-        second_of(tmp_path).path, setup=pair.SETUP[pair.SECOND], earlier=[own], seconds=AMPLE
-    ) as worker:
+    setup = pair.SETUP[pair.SECOND]
+    with Worker(second_of(tmp_path).path, setup=setup, earlier=[own], seconds=AMPLE) as worker:
         worker.stand_in({"80:double": lambda args, kwargs: Outcome("value", 100.0)})
         assert worker.call("quadruple", Case((1.0,))).value == 100.0
         worker.stand_in({})

@@ -28,23 +28,22 @@ def test_a_secret_is_made_once_for_this_users_eyes_only(no_secret):
 
 
 @posix
-@pytest.mark.parametrize(
-    ("content", "mode", "reason"),
-    [(b"x" * 40, 0o644, "chmod 600"), (b"short", 0o600, "5 bytes"), (b"", 0o600, "0 bytes")],
-)
-def test_a_secret_that_is_none_is_refused(no_secret, content, mode, reason):
-    no_secret.parent.mkdir(parents=True)
-    no_secret.write_bytes(content)
-    no_secret.chmod(mode)
-    with pytest.raises(SecretError, match=reason):
-        load_secret()
-
-
-def test_a_secret_that_is_named_is_not_made(no_secret, tmp_path, monkeypatch):
-    monkeypatch.setenv("NAO_COURSE_SECRET", str(tmp_path / "mine"))
-    with pytest.raises(SecretError, match="mine, which does not exist. Copy your secret there.*unset"):
-        load_secret()
+def test_a_secret_that_is_none_is_refused_and_one_that_is_named_is_not_made(no_secret, tmp_path, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setenv("NAO_COURSE_SECRET", str(tmp_path / "mine"))
+        with pytest.raises(SecretError, match="mine, which does not exist. Copy your secret there.*unset"):
+            load_secret()
     assert not (tmp_path / "mine").exists() and not no_secret.exists()
+    no_secret.parent.mkdir(parents=True)
+    for content, mode, reason in (
+        (b"x" * 40, 0o644, "chmod 600"),
+        (b"short", 0o600, "5 bytes"),
+        (b"", 0o600, "0 bytes"),
+    ):
+        no_secret.write_bytes(content)
+        no_secret.chmod(mode)
+        with pytest.raises(SecretError, match=reason):
+            load_secret()
 
 
 def test_words_under_a_secret_are_told_apart():

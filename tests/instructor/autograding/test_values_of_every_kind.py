@@ -50,20 +50,14 @@ def hand_in(folder, functions=None):
     return path
 
 
-@pytest.mark.parametrize(
-    ("functions", "right"),
-    [
-        pytest.param({}, True, id="right"),
-        pytest.param(values.WRONG, False, id="wrong", marks=pytest.mark.slow),
-    ],
-)
-def test_the_grader_judges_values_of_every_kind(assignment, warm_server, tmp_path, functions, right):
-    submission = Submission("ada", values.LESSON, hand_in(tmp_path, functions), (), file="ada/x.ipynb")
-    result = grade(submission, assignment, warm_server, "full")
+@pytest.mark.parametrize("right", [True, pytest.param(False, marks=pytest.mark.slow)])
+def test_the_grader_judges_values_of_every_kind(assignment, warm_server, tmp_path, right):
+    path = hand_in(tmp_path, {} if right else values.WRONG)
+    result = grade(
+        Submission("ada", values.LESSON, path, file="ada/x.ipynb"), assignment, warm_server, "full"
+    )
     found = {each.name: each.state for each in result.exercises}
-    assert found == dict.fromkeys(values.RIGHT, "right" if right else "wrong"), [
-        (each.name, each.text, each.line, each.public) for each in result.exercises
-    ]
+    assert found == dict.fromkeys(values.RIGHT, "right" if right else "wrong"), result.exercises
     assert result.earned == (len(values.RIGHT) if right else 0)
 
 
@@ -80,14 +74,18 @@ def test_check_the_terminal_and_student_functions_judge_them_alike(public, tmp_p
     assert "for every rng" in repr(reports["draw"])
 
 
-def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
+def grader_with(assignment, name, call):
+    """A grader of submissions whose worker is a function, and a task."""
+    worker = SimpleNamespace(call=call)
+    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, Allowances(values.RIGHT))
+    return grader, next(task for task in assignment.tasks if task.public.name == name)
+
+
+def test_all_calls_of_a_case_have_the_time_of_one(assignment):
     class Many(Close):
         def calls(self, case):
             return [case] * 60
 
-    task = next(task for task in assignment.tasks if task.public.name == "draw")
-    public = replace(task.public, comparison=Many())
-    grader = SubmissionGrader(None, assignment, Files(b"{}"), None, lambda: False, Allowances(values.RIGHT))
     given = []
 
     def call(name, case, driver, seconds):
@@ -95,21 +93,18 @@ def test_all_calls_of_a_case_have_the_time_of_one(assignment, monkeypatch):
         grader.shares[name].spend(0.75)
         return Outcome("value", 1.0)
 
-    grader.worker = SimpleNamespace(call=call)
-    assert grader.answer(replace(public, seconds=10.0), task.hidden[0]).status == "timed out"
+    grader, task = grader_with(assignment, "draw", call)
+    public = replace(task.public, comparison=Many(), seconds=10.0)
+    assert grader.answer(public, task.hidden[0]).status == "timed out"
     assert given == [10.0 - 0.75 * n for n in range(14)]
 
 
 def test_large_answers_are_judged_as_they_come_and_not_kept(assignment):
-    task = next(task for task in assignment.tasks if task.public.name == "move")
-    many = replace(
-        task, hidden=task.hidden[:1] * 40, public=replace(task.public, cases=task.public.cases[:1] * 4)
-    )
-    worker = SimpleNamespace(call=lambda *_: Outcome("value", np.zeros(2**18)))
-    grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, Allowances(values.RIGHT))
+    grader, task = grader_with(assignment, "move", lambda *_: Outcome("value", np.zeros(2**18)))
+    public = replace(task.public, cases=task.public.cases[:1] * 4)
     tracemalloc.start()
-    assert grader.hidden(many).state == "wrong"
-    lines, last = grader.public(many.public)
+    assert grader.hidden(replace(task, hidden=task.hidden[:1] * 40, public=public)).state == "wrong"
+    lines, last = grader.public(public)
     assert tracemalloc.get_traced_memory()[1] < 15 * 2**20  # of 80 MB
     tracemalloc.stop()
     assert "Wrong kind" in lines[0] and last.value is None
