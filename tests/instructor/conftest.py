@@ -4,6 +4,7 @@ import pytest
 
 from nao_course.instructor.sandbox.layers import probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
+from tests.toy import chain
 
 
 @pytest.fixture(scope="session")
@@ -11,3 +12,13 @@ def warm_server():
     """A server with all layers that this machine has, and everything imported."""
     with WarmServer(probe()) as server:
         yield server
+
+
+@pytest.fixture
+def secret(tmp_path, monkeypatch):
+    """An instructor's secret, which the commands use."""
+    path = tmp_path / "secret"
+    path.write_bytes(chain.SECRET)
+    path.chmod(0o600)
+    monkeypatch.setenv("NAO_COURSE_SECRET", str(path))
+    return path

@@ -21,16 +21,12 @@ LESSON = chain.LESSON
 
 
 @pytest.fixture
-def course(tmp_path, monkeypatch):
+def course(tmp_path, monkeypatch, secret):
     """Make a course in the working folder, whose lesson was due."""
     made = chain.make_course(tmp_path / "course")
     (made.root / "solutions" / f"{LESSON}.md").touch()
     with (made.root / "course.toml").open("a") as file:
         file.write(f"[deadlines]\n{LESSON} = 2026-11-20T23:59:00+01:00\n[late]\nper_day = 0.25\n")
-    secret = tmp_path / "secret"
-    secret.write_bytes(chain.SECRET)
-    secret.chmod(0o600)
-    monkeypatch.setenv("NAO_COURSE_SECRET", str(secret))
     monkeypatch.chdir(made.root)
     return made
 

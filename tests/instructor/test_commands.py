@@ -32,13 +32,9 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and modes of
 
 
 @pytest.fixture
-def course(tmp_path, monkeypatch):
+def course(tmp_path, monkeypatch, secret):
     """A course in the working folder, a secret, and somewhere to hand in to."""
     made = chain.make_course(tmp_path / "course")
-    secret = tmp_path / "secret"
-    secret.write_bytes(chain.SECRET)
-    secret.chmod(0o600)
-    monkeypatch.setenv("NAO_COURSE_SECRET", str(secret))
     monkeypatch.chdir(tmp_path / "course")
     monkeypatch.setattr(cli.console, "width", 200)
     return made

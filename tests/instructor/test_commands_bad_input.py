@@ -41,12 +41,9 @@ def assignment(tmp_path_factory):
 
 
 @pytest.fixture
-def place(tmp_path, monkeypatch, assignment):
+def place(tmp_path, monkeypatch, assignment, secret):
     """A course in the working folder, and in "grades" a journal of one refused submission."""
     chain.make_course(tmp_path / "course")
-    (tmp_path / "secret").write_bytes(chain.SECRET)
-    (tmp_path / "secret").chmod(0o600)
-    monkeypatch.setenv("NAO_COURSE_SECRET", str(tmp_path / "secret"))
     monkeypatch.chdir(tmp_path / "course")
     path = chain.hand_in(tmp_path / "in", "ada", b"{")
     with Journal(tmp_path / "grades") as journal:
