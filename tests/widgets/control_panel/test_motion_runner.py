@@ -9,6 +9,7 @@ import pytest
 from nao_course.geometry import Pose
 from nao_course.sim import SimulatedNao
 from nao_course.widgets import ControlPanel
+from nao_course.widgets.control_panel import motion_runner
 from nao_course.widgets.control_panel.cockpit import STEP
 from nao_course.widgets.control_panel.motion_runner import PERIOD
 from tests.widgets.robots import clean_nao, in_a_loop, press, until_it_stands
@@ -144,3 +145,38 @@ def test_a_mistake_of_the_panel_itself_is_a_message_too(monkeypatch):
 
     in_a_loop(scenario)
     assert "ZeroDivisionError in the panel" in panel.cockpit.message
+
+
+def answer(panel):
+    """Let a page say that it has shown the latest pictures."""
+    for image in panel._controls.images.values():
+        image._note(image, {"shown": image.asked}, [])
+
+
+def test_a_drive_waits_for_a_page_that_has_answered_once():
+    panel = ControlPanel(clean_nao())
+    answer(panel)
+
+    async def scenario():
+        press(panel, "forward")
+        await asyncio.sleep(6 * PERIOD)
+        assert panel.cockpit.nao.odometry.x == pytest.approx(STEP)
+        while panel.driving:
+            answer(panel)
+            await asyncio.sleep(0.01)
+
+    in_a_loop(scenario)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(4 * STEP)
+
+
+def test_a_page_that_was_closed_holds_no_drive_up(monkeypatch):
+    monkeypatch.setattr(motion_runner, "PATIENCE", 0.1)
+    panel = ControlPanel(clean_nao())
+    answer(panel)
+
+    async def scenario():
+        press(panel, "forward")
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert panel.cockpit.nao.odometry.x == pytest.approx(4 * STEP)

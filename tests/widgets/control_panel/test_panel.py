@@ -118,6 +118,7 @@ def test_three_dimensions_are_made_when_they_are_chosen_and_show_the_truth_only_
     assert panel._controls._face.children == (world.widget,)
     panel.forward(0.1)
     assert world.contents.truth == Truth(nao).pose
+    assert world.widget.estimate_name == "odometry" and "arrow" not in world.widget.hint
     panel.show_truth = False
     assert world.contents.truth is None and "truth" not in world.contents.paths
     press(panel, "world")
