@@ -69,7 +69,7 @@ _CHOICES_CSS = """
 .nao-question .widget-radio, .nao-question .widget-radio-box { width: auto; height: auto; max-width: 100%; }
 .nao-question .widget-radio-box label { display: flex; align-items: flex-start; gap: 8px; height: auto;
   line-height: 1.4; margin: 0 0 6px; white-space: normal; cursor: pointer; }
-.nao-question .widget-radio-box input { flex: none; margin: 3px 0 0; }
+.nao-question .widget-radio-box input { order: -1; flex: none; margin: 3px 0 0; }
 """
 
 
