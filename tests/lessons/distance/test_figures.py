@@ -5,25 +5,14 @@ import re
 import numpy as np
 import pytest
 
-from nao_course.lessons.distance import (
-    draw_arrows,
-    draw_asymmetry,
-    draw_landmark_clouds,
-    draw_paper_error,
-    draw_payoff,
-    draw_pixel_worth,
-    draw_shared_tilt,
-    draw_tilt_band,
-    draw_tilted_lines,
-    usual_view,
-)
+from nao_course.lessons import distance
 from nao_course.lessons.distance.payoff import polar_outlines
 from tests.lessons.distance.own import GEOMETRY, OWN, polar
 from tests.lessons.every import solved, text
 
 
 def test_the_papers_distance_is_right_near_by_and_short_far_away():
-    words = draw_paper_error(OWN["paper_distance"], OWN["paper_bearing"], **GEOMETRY).alt
+    words = distance.draw_paper_error(OWN["paper_distance"], OWN["paper_bearing"], **GEOMETRY).alt
     assert "+2 cm at 1 m ahead, -1 cm at 2 m ahead, -23 cm at 4 m ahead" in words
     assert "+4 degrees in the lower right corner" in words
 
@@ -32,23 +21,23 @@ def test_arrows_of_the_exact_way_have_no_length_and_those_of_the_lens_some():
     def paper(pixels, view):
         return np.column_stack([OWN["paper_bearing"](pixels, view), OWN["paper_distance"](pixels, view)])
 
-    words = draw_arrows({"exact": polar, "paper": paper}, usual_view()).alt
+    words = distance.draw_arrows({"exact": polar, "paper": paper}, distance.usual_view()).alt
     assert "exact: 0.00 m in the median, 0.00 m at most" in words
     assert "paper: 0.08 m in the median, 0.33 m at most" in words
 
 
 def test_errors_by_tilt_their_sampled_shape_and_what_a_pixel_is_worth_are_those_of_the_text():
-    words = draw_tilt_band(**GEOMETRY).alt
+    words = distance.draw_tilt_band(**GEOMETRY).alt
     found = [float(each) for each in re.findall(r"(\d\.\d\d) m at", words)]
     assert found == pytest.approx([0.04, 0.15, 0.33, 0.58, 0.89], abs=0.011)
     sigma = OWN["range_sigma"]
-    words = draw_asymmetry(**GEOMETRY, range_sigma=sigma, tilt_sigma=np.radians(1)).alt
+    words = distance.draw_asymmetry(**GEOMETRY, range_sigma=sigma, tilt_sigma=np.radians(1)).alt
     assert "at 4 m computed 0.592 m" in words and "mean +0.103 m" in words and "-0.89 to +1.54" in words
-    words = draw_pixel_worth(**GEOMETRY, range_sigma=sigma).alt
+    words = distance.draw_pixel_worth(**GEOMETRY, range_sigma=sigma).alt
     assert "320 x 240 6.9 cm" in words and "1280 x 960 1.7 cm" in words
     assert "one degree of tilt 34 cm" in words
     covariance = OWN["measurement_covariance"]
-    words = draw_shared_tilt(
+    words = distance.draw_shared_tilt(
         **GEOMETRY, measurement_covariance=covariance, pixel_sigma=0.7, tilt_sigma=np.radians(1), pictures=5
     ).alt
     assert "0.98, 0.98, 0.98" in words
@@ -66,21 +55,21 @@ def test_an_answer_of_another_kind_is_said_with_the_functions_name(answer, said)
     changed = GEOMETRY | {"pixel_to_ground": answer}
     sigma = OWN["range_sigma"]
     for draw in (
-        lambda: draw_paper_error(OWN["paper_distance"], OWN["paper_bearing"], **changed),
-        lambda: draw_tilt_band(**changed),
-        lambda: draw_asymmetry(**changed, range_sigma=sigma, tilt_sigma=0.01),
-        lambda: draw_pixel_worth(**changed, range_sigma=sigma),
-        lambda: draw_tilted_lines(answer),
+        lambda: distance.draw_paper_error(OWN["paper_distance"], OWN["paper_bearing"], **changed),
+        lambda: distance.draw_tilt_band(**changed),
+        lambda: distance.draw_asymmetry(**changed, range_sigma=sigma, tilt_sigma=0.01),
+        lambda: distance.draw_pixel_worth(**changed, range_sigma=sigma),
+        lambda: distance.draw_tilted_lines(answer),
     ):
         with pytest.raises(ValueError, match=rf"pixel_to_ground .*{said}"):
             draw()
     with pytest.raises(ValueError, match=rf"the arrows .*{said}"):
-        draw_arrows({"the arrows": answer}, usual_view())
+        distance.draw_arrows({"the arrows": answer}, distance.usual_view())
 
 
 def test_one_angle_for_each_picture_brings_the_points_of_the_payoff_to_their_landmarks():
     functions = {name: OWN[name] for name in ("measurement_covariance", "estimate_pitch")}
-    words = draw_payoff(**GEOMETRY, **functions).alt
+    words = distance.draw_payoff(**GEOMETRY, **functions).alt
     before, after = (float(each) for each in re.findall(r"(\d\.\d\d) m (?:from|off).*? in the median", words))
     assert after < 0.6 * before and before < 0.15
     farthest, corrected = (float(each) for each in re.findall(r"(\d\.\d\d) m at most", words))
@@ -93,7 +82,7 @@ def test_an_ellipse_from_the_covariance_holds_its_share_of_the_points():
     cells = [cell.source for cell in solved("04_distance").cells if "def landmark_ellipse" in cell.source]
     names = {"np": np}
     exec(cells[0].split("\n\n\nown =")[0], names)
-    words = draw_landmark_clouds(
+    words = distance.draw_landmark_clouds(
         **GEOMETRY,
         measurement_covariance=OWN["measurement_covariance"],
         landmark_ellipse=names["landmark_ellipse"],

@@ -8,21 +8,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from nao_course.lessons.distance.phone import PhoneLab, read_photo, sheet_pdf, view_from_points
+from nao_course.lessons.distance.phone import PhoneLab, read_photo, sheet, sheet_pdf, view_from_points
 from nao_course.lessons.distance.phone.photo import SIZE
-from nao_course.lessons.distance.phone.sheet import (
-    CLICKED,
-    PAPER,
-    SCALE,
-    on_paper,
-    sheet_pixels,
-    usual_phone,
-    usual_photo,
-)
 from tests.lessons.distance.own import OWN
 from tests.paths import PROJECT
 
-CORNERS = np.array(list(CLICKED.values()))
+CORNERS = np.array(list(sheet.CLICKED.values()))
 FOCAL_35 = 27.3  # mm: a horizontal field of view of 1.13 rad
 
 
@@ -44,15 +35,15 @@ def exif(focal=None, orientation=None):
 
 def true_pixels():
     """Return the pixels of the four corners and both posts in the photo of 320 x 240."""
-    view, pose = usual_phone()
+    view, pose = sheet.usual_phone()
     return view.at_size(SIZE).project(CORNERS, pose)
 
 
 def test_a_phones_file_is_read_with_its_focal_length_and_upright():
-    photo = read_photo(as_file(usual_photo(), exif=exif(focal=28)))
+    photo = read_photo(as_file(sheet.usual_photo(), exif=exif(focal=28)))
     assert photo.pixels.shape == (240, 320, 3) and photo.focal_35 == 28
     assert photo.hfov(FOCAL_35) == pytest.approx(1.13, abs=0.01)
-    upside_down = np.ascontiguousarray(usual_photo()[::-1, ::-1])
+    upside_down = np.ascontiguousarray(sheet.usual_photo()[::-1, ::-1])
     turned = read_photo(as_file(upside_down, exif=exif(orientation=3)))
     assert np.abs(turned.pixels.astype(int) - photo.pixels).mean() < 2
 
@@ -115,14 +106,14 @@ def test_a_bad_upload_gets_a_sentence(content, said):
 
 
 def test_a_focal_length_that_makes_no_sense_is_left_out():
-    assert read_photo(as_file(usual_photo(), exif=exif(focal=3))).focal_35 is None
-    assert read_photo(as_file(usual_photo())).focal_35 is None
+    assert read_photo(as_file(sheet.usual_photo(), exif=exif(focal=3))).focal_35 is None
+    assert read_photo(as_file(sheet.usual_photo())).focal_35 is None
     with pytest.raises(ValueError, match="more than 0 mm"):
-        read_photo(as_file(usual_photo())).hfov(0.0)
+        read_photo(as_file(sheet.usual_photo())).hfov(0.0)
 
 
 def test_four_exact_points_give_back_the_camera_and_points_in_another_order_are_refused():
-    view, pose = usual_phone()
+    view, pose = sheet.usual_phone()
     found, at = view_from_points(true_pixels(), CORNERS, 1.13)
     assert (found.height, found.pitch, found.roll) == pytest.approx(
         (view.height, view.pitch, 0.0), rel=1e-3, abs=2e-3
@@ -143,11 +134,11 @@ def test_the_pdf_is_one_page_of_a3_and_the_one_that_is_handed_out_with_the_lines
     for each in (pdf, (PROJECT / "solutions" / "images" / "half_field_A3.pdf").read_bytes()):
         assert b"/Count 1" in each
         box = [float(value) for value in each.split(b"/MediaBox [")[1].split(b"]")[0].split()]
-        assert np.array(box[2:]) / 72 * 0.0254 == pytest.approx(PAPER, abs=1e-4)
-    pixels = sheet_pixels()
+        assert np.array(box[2:]) / 72 * 0.0254 == pytest.approx(sheet.PAPER, abs=1e-4)
+    pixels = sheet.sheet_pixels()
     rows, columns = pixels.shape[:2]
-    metres = rows / (PAPER[1] / SCALE)  # pixels a metre of the field
-    goal_line, column = rows - 0.02 / SCALE * metres - 3.0 * metres, round(columns / 2 + 1.5 * metres)
+    metres = rows / (sheet.PAPER[1] / sheet.SCALE)  # pixels a metre of the field
+    goal_line, column = rows - 0.02 / sheet.SCALE * metres - 3.0 * metres, round(columns / 2 + 1.5 * metres)
     assert (pixels[round(goal_line), column] > 240).all()
     assert (pixels[round(goal_line + 0.2 * metres), column] < 200).any()
 
@@ -174,7 +165,7 @@ def test_from_an_upload_to_landmarks_on_the_map_and_a_bad_one_keeps_the_photo():
     panel.upload(b"no picture at all")
     assert "cannot be read" in panel.summary()
     assert (panel.shown.pictures["The photo"] == before).all()
-    panel.upload(as_file(usual_photo(), exif=exif(focal=27)))
+    panel.upload(as_file(sheet.usual_photo(), exif=exif(focal=27)))
     assert "The file gives a focal length of 27 mm. Click the corner A" in panel.summary()
     click_all(panel)
     assert "From the four letters, the phone was 32." in panel.summary() or "was 33." in panel.summary()
@@ -191,7 +182,9 @@ def test_a_clicked_corner_gets_a_ring_in_the_photo_and_one_on_the_paper():
     changed = np.argwhere((panel.shown.pictures["The photo"] != before).any(axis=2))
     assert before.shape == (720, 960, 3) and np.abs(changed - (151, 301)).max() < 60
     assert "1 of 4 letters" in panel.shown.drawings["The paper"].alt
-    assert on_paper([CLICKED["A"], CLICKED["C"]]) == pytest.approx(100 / 15 * np.array([(-2, 0), (2, 3)]))
+    assert sheet.on_paper([sheet.CLICKED["A"], sheet.CLICKED["C"]]) == pytest.approx(
+        100 / 15 * np.array([(-2, 0), (2, 3)])
+    )
 
 
 def test_without_the_letters_height_and_pitch_are_the_sliders():
@@ -219,17 +212,17 @@ def test_a_letter_can_be_set_again_reset_forgets_all_and_letters_turned_round_ar
 
 def test_reset_keeps_the_photos_focal_length_and_the_next_photo_does_not():
     panel = lab()
-    panel.upload(as_file(usual_photo(), exif=exif(focal=120)))
+    panel.upload(as_file(sheet.usual_photo(), exif=exif(focal=120)))
     assert panel.values.focal == 120 and "focal length of 120 mm" in panel.summary()
     panel.reset()
     assert panel.values.focal == 120
-    panel.upload(as_file(usual_photo()))
+    panel.upload(as_file(sheet.usual_photo()))
     assert panel.values.focal == 27 and "focal length" in panel.summary()
 
 
 def test_a_file_beside_the_notebook_is_taken_by_its_name(tmp_path):
     file = tmp_path / "sheet.jpg"
-    file.write_bytes(as_file(usual_photo(), exif=exif(focal=35)))
+    file.write_bytes(as_file(sheet.usual_photo(), exif=exif(focal=35)))
     assert lab(photo=file).values.focal == 35
     missing = lab(photo=tmp_path / "none.jpg").summary()
     assert "no file" in missing and "simulated photo" in missing

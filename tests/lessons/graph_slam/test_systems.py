@@ -3,15 +3,8 @@
 import numpy as np
 import pytest
 
+from nao_course.lessons.graph_slam import systems
 from nao_course.lessons.graph_slam.drives import field_drive
-from nao_course.lessons.graph_slam.systems import (
-    Builders,
-    assemble,
-    inverse_of,
-    map_error,
-    solve_axes,
-    variables_in,
-)
 
 DRIVE = field_drive()
 
@@ -28,24 +21,24 @@ def link(omega, xi, first, second, value, epsilon=1.0):
     return omega + np.outer(row, row) / epsilon, xi + row * value / epsilon
 
 
-BUILDERS = Builders(start, link, link)
+BUILDERS = systems.Builders(start, link, link)
 
 
 def test_only_variables_that_something_is_known_of_are_solved_for():
     used = DRIVE.constraints[:6]
-    positions, omega = solve_axes(used, DRIVE.size, BUILDERS, np.linalg.solve)
-    known = variables_in(used)
+    positions, omega = systems.solve_axes(used, DRIVE.size, BUILDERS, np.linalg.solve)
+    known = systems.variables_in(used)
     assert np.isfinite(positions[known]).all() and np.isnan(np.delete(positions, known, axis=0)).all()
     assert omega.shape == (DRIVE.size, DRIVE.size)
-    assert np.isnan(solve_axes((), DRIVE.size, BUILDERS, np.linalg.solve)[0]).all()
+    assert np.isnan(systems.solve_axes((), DRIVE.size, BUILDERS, np.linalg.solve)[0]).all()
 
 
 def test_the_error_of_a_map_is_that_of_its_landmarks():
     moved = DRIVE.truth + (0.3, 0.4)
-    assert map_error(DRIVE, moved) == pytest.approx(0.5)
+    assert systems.map_error(DRIVE, moved) == pytest.approx(0.5)
     moved[-1] = np.nan
-    assert map_error(DRIVE, moved) == pytest.approx(0.5)
-    assert np.isnan(map_error(DRIVE, np.full((DRIVE.size, 2), np.nan)))
+    assert systems.map_error(DRIVE, moved) == pytest.approx(0.5)
+    assert np.isnan(systems.map_error(DRIVE, np.full((DRIVE.size, 2), np.nan)))
 
 
 def test_a_function_that_returns_something_else_gets_a_message():
@@ -54,9 +47,11 @@ def test_a_function_that_returns_something_else_gets_a_message():
         (lambda omega, xi, *given: (xi, omega), "must keep their shapes"),
     ):
         with pytest.raises(ValueError, match=said):
-            assemble(DRIVE.constraints, DRIVE.size, Builders(wrong, link, link), 0)
+            systems.assemble(DRIVE.constraints, DRIVE.size, systems.Builders(wrong, link, link), 0)
     for wrong in (None, np.zeros(2), np.full(4, np.nan), "words"):
         with pytest.raises(ValueError, match=r"solve must return \d+ numbers, .*: check exercise 8.4"):
-            solve_axes(DRIVE.constraints[:6], DRIVE.size, BUILDERS, lambda omega, xi, wrong=wrong: wrong)
+            systems.solve_axes(
+                DRIVE.constraints[:6], DRIVE.size, BUILDERS, lambda omega, xi, wrong=wrong: wrong
+            )
     with pytest.raises(ValueError, match="has no inverse here: check exercises 8.1 to 8.3"):
-        inverse_of(np.zeros((3, 3)))
+        systems.inverse_of(np.zeros((3, 3)))

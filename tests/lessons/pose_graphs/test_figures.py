@@ -5,22 +5,7 @@ import pytest
 import scipy.sparse
 
 from nao_course.datasets import write_g2o
-from nao_course.lessons.pose_graphs import (
-    arrivals,
-    building,
-    count_of_free_moves,
-    draw_arrivals,
-    draw_false_closure,
-    draw_free_moves,
-    draw_information_frames,
-    draw_real_building,
-    draw_relaxing,
-    draw_step,
-    draw_uncertainty,
-    drift_that_climbs,
-    drifting_loop,
-    half_of_them,
-)
+from nao_course.lessons import pose_graphs
 from nao_course.lessons.pose_graphs.guesses import HEADINGS, POSITIONS
 from nao_course.lessons.pose_graphs.information import FRAMES, missed_steps, scaled
 from nao_course.lessons.pose_graphs.matrices import block_picture, factor_of
@@ -30,20 +15,20 @@ SOLVE, LINEARIZE = OWN["gauss_newton"], OWN["linearize"]
 
 
 def test_the_payoff_says_how_the_building_relaxes():
-    said = draw_relaxing(SOLVE).alt
+    said = pose_graphs.draw_relaxing(SOLVE).alt
     assert "off by 6.67 m" in said and "chi2 8,766 and off by 1.32 m" in said
     assert "off by 0.59 m" in said and "chi2 408.7 and off by 0.65 m" in said
 
 
 def test_a_step_predicts_too_low_a_chi2_and_climbs_from_63_degrees_on():
-    drawing = draw_step(LINEARIZE, SOLVE, OWN["pose_residual"], OWN["landmark_residual"])
+    drawing = pose_graphs.draw_step(LINEARIZE, SOLVE, OWN["pose_residual"], OWN["landmark_residual"])
     assert "90 degrees the full step leaves 2.00 of chi2 where 0.013 was predicted" in drawing.alt
     assert "at 0.35 of it" in drawing.alt
     assert len({ax.get_ylim() for ax in drawing.figure.axes[:2]}) == 1
-    assert drift_that_climbs(SOLVE) == pytest.approx(63.2, abs=0.1)
+    assert pose_graphs.drift_that_climbs(SOLVE) == pytest.approx(63.2, abs=0.1)
 
     def ratio(drift):
-        world = drifting_loop(np.radians(drift), 20)  # of 80 poses
+        world = pose_graphs.drifting_loop(np.radians(drift), 20)  # of 80 poses
         chi2 = SOLVE(world.graph, world.odometry, 1)[1]
         return chi2[1] / chi2[0]
 
@@ -55,28 +40,28 @@ def test_the_data_say_in_which_frame_the_information_is():
     corners = np.abs(np.sin(measured[:, 2])) > 0.5
     right, wrong = (scaled(residuals, measured, frame)[corners].std(axis=0) for frame in FRAMES)
     assert right == pytest.approx([1, 1], abs=0.1) and wrong == pytest.approx([0.6, 1.67], abs=0.1)
-    said = draw_information_frames(OWN["pose_residual"]).alt
+    said = pose_graphs.draw_information_frames(OWN["pose_residual"]).alt
     assert "of corners 1.00 and 1.02" in said and "of corners 0.61 and 1.66" in said
 
 
 def test_positions_do_no_harm_and_headings_do():
-    found = arrivals(SOLVE, positions=(1000.0,), headings=(20.0, 70.0), tries=4)
+    found = pose_graphs.arrivals(SOLVE, positions=(1000.0,), headings=(20.0, 70.0), tries=4)
     assert found["positions"] == pytest.approx(1.0) and found["headings"].tolist() == [1.0, 0.0]
     parts = {"positions": np.ones(len(POSITIONS)), "headings": np.linspace(1, 0, len(HEADINGS))}
-    assert "50 % at 40 degrees" in draw_arrivals(parts).alt
-    assert half_of_them((10.0, 20.0), np.array([0.8, 0.2])) == pytest.approx(15.0)
-    assert np.isnan(half_of_them((10.0, 20.0), np.array([0.8, 0.6])))
+    assert "50 % at 40 degrees" in pose_graphs.draw_arrivals(parts).alt
+    assert pose_graphs.half_of_them((10.0, 20.0), np.array([0.8, 0.2])) == pytest.approx(15.0)
+    assert np.isnan(pose_graphs.half_of_them((10.0, 20.0), np.array([0.8, 0.6])))
 
 
 def test_the_whole_map_moves_freely_in_three_ways():
-    assert count_of_free_moves(LINEARIZE) == 3
-    said = draw_free_moves(LINEARIZE).alt
+    assert pose_graphs.count_of_free_moves(LINEARIZE) == 3
+    said = pose_graphs.draw_free_moves(LINEARIZE).alt
     assert said.count("H times it is 0") == 3 and "a map of 9 poses" in said
     assert "3 of 27 eigenvalues are zero" in said
 
 
 def test_the_order_decides_what_the_factor_adds():
-    world = building(5)
+    world = pose_graphs.building(5)
     H = LINEARIZE(world.graph, world.truth)[0].tocsc()[3:, 3:]
     natural, minimum = (factor_of(H, order).L.nnz for order in ("NATURAL", "MMD_AT_PLUS_A"))
     assert 100 * H.nnz / H.shape[0] ** 2 == pytest.approx(0.9, abs=0.05)
@@ -84,10 +69,12 @@ def test_the_order_decides_what_the_factor_adds():
 
 
 def test_closures_shrink_the_ellipses_ninefold_and_a_false_one_bends_the_map():
-    drawing = draw_uncertainty(LINEARIZE, SOLVE, OWN["marginal_covariances"])
+    drawing = pose_graphs.draw_uncertainty(LINEARIZE, SOLVE, OWN["marginal_covariances"])
     assert "0.39 to 5.10 m" in drawing.alt and "0.08 to 0.60 m" in drawing.alt
     assert len({(*ax.get_xlim(), *ax.get_ylim()) for ax in drawing.figure.axes}) == 1
-    assert draw_false_closure(SOLVE).alt.endswith("off by 0.65 m; one false closure added, off by 3.41 m.")
+    assert pose_graphs.draw_false_closure(SOLVE).alt.endswith(
+        "off by 0.65 m; one false closure added, off by 3.41 m."
+    )
 
 
 def test_blocks_are_painted_by_what_they_link():
@@ -101,9 +88,11 @@ def test_blocks_are_painted_by_what_they_link():
 def test_a_real_building_is_drawn_from_a_file_of_ones_own_and_where_there_is_none_the_figure_says_so(
     tmp_path, monkeypatch
 ):
-    world = building(3, 60)
-    drawn = draw_real_building(SOLVE, write_g2o(world.graph, world.odometry, tmp_path / "own.g2o"))
+    world = pose_graphs.building(3, 60)
+    drawn = pose_graphs.draw_real_building(
+        SOLVE, write_g2o(world.graph, world.odometry, tmp_path / "own.g2o")
+    )
     assert "60 poses, on its way from odometry" in drawn.alt
-    assert "own.g2o" in draw_real_building(SOLVE, tmp_path / "not" / "own.g2o")
+    assert "own.g2o" in pose_graphs.draw_real_building(SOLVE, tmp_path / "not" / "own.g2o")
     monkeypatch.setenv("NAO_COURSE_DATA", "none")
-    assert "recordings are missing" in draw_real_building(SOLVE)
+    assert "recordings are missing" in pose_graphs.draw_real_building(SOLVE)

@@ -4,35 +4,23 @@ import numpy as np
 import pytest
 
 from nao_course.geometry import wrap_angle
-from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph
-from nao_course.lessons.pose_graphs.measured.ekf_and_graph import (
-    NOISES,
-    Filter,
-    Smoother,
-    at_every_stop,
-    compare,
-    drive_graph,
-    hall_drive,
-    run_filter,
-    run_smoother,
-    scores,
-)
+from nao_course.lessons.pose_graphs.measured import draw_ekf_and_graph, ekf_and_graph
 from nao_course.sim.drives import Sigmas
 from tests.lessons.every import own
 from tests.lessons.pose_graphs.own import OWN
 
-HARD = NOISES["3° a step, 5° bearing"]
+HARD = ekf_and_graph.NOISES["3° a step, 5° bearing"]
 TINY = Sigmas(*(1e-7 * np.ones(5)))
 
 
 @pytest.fixture(scope="module")
 def ekf():
-    return Filter(*(own("07")[name] for name in Filter._fields))
+    return ekf_and_graph.Filter(*(own("07")[name] for name in ekf_and_graph.Filter._fields))
 
 
 @pytest.fixture(scope="module")
 def smoother():
-    return Smoother(*(own("09")[name] for name in Smoother._fields))
+    return ekf_and_graph.Smoother(*(own("09")[name] for name in ekf_and_graph.Smoother._fields))
 
 
 def away(poses, others):
@@ -47,9 +35,9 @@ def true_states(drive):
 
 
 def test_without_noise_both_find_the_truth(ekf, smoother):
-    drive = hall_drive(1, 40, TINY)
-    filtered = run_filter(drive, ekf)
-    for mapped in (filtered, run_smoother(drive, smoother, filtered)):
+    drive = ekf_and_graph.hall_drive(1, 40, TINY)
+    filtered = ekf_and_graph.run_filter(drive, ekf)
+    for mapped in (filtered, ekf_and_graph.run_smoother(drive, smoother, filtered)):
         assert away(mapped.poses, drive.poses) < 2e-5
         assert mapped.landmarks == pytest.approx(drive.landmarks, abs=2e-5)
 
@@ -58,23 +46,25 @@ def test_the_graph_of_a_drive_fits_its_truth_as_well_as_its_noise_says():
     """The mean of chi2 at the truth is one for each number that was measured."""
     residuals, found, numbers = (OWN["pose_residual"], OWN["landmark_residual"]), 0.0, 0
     for seed in range(10):
-        drive = hall_drive(seed, 80, Sigmas(0.1, 0.002, 0.01, 0.02, 0.05))  # along and across are far apart
-        squares = drive_graph(drive).squared_errors(true_states(drive), *residuals)
+        drive = ekf_and_graph.hall_drive(
+            seed, 80, Sigmas(0.1, 0.002, 0.01, 0.02, 0.05)
+        )  # along and across are far apart
+        squares = ekf_and_graph.drive_graph(drive).squared_errors(true_states(drive), *residuals)
         found, numbers = found + squares.sum(), numbers + 240 + 2 * (len(squares) - 80)
     assert found / numbers == pytest.approx(1.0, abs=0.05)
 
 
 def test_a_long_drive_is_not_in_a_wrong_minimum_when_its_covariance_is_too_small(ekf, smoother):
-    drive = hall_drive(7, 800, HARD)
-    mapped = run_smoother(drive, smoother, run_filter(drive, ekf))
-    states, _ = smoother.gauss_newton(drive_graph(drive), true_states(drive), 15)
+    drive = ekf_and_graph.hall_drive(7, 800, HARD)
+    mapped = ekf_and_graph.run_smoother(drive, smoother, ekf_and_graph.run_filter(drive, ekf))
+    states, _ = smoother.gauss_newton(ekf_and_graph.drive_graph(drive), true_states(drive), 15)
     assert away(states[: mapped.poses.size].reshape(-1, 3), mapped.poses) < 1e-2
-    assert scores(drive, mapped)["nees"] > 10
+    assert ekf_and_graph.scores(drive, mapped)["nees"] > 10
     assert np.degrees(abs(wrap_angle(mapped.poses[-1, 2] - drive.poses[-1, 2]))) > 15
 
 
 def test_landmarks_are_numbered_as_they_are_seen_first():
-    drive = hall_drive(2, 60, HARD)
+    drive = ekf_and_graph.hall_drive(2, 60, HARD)
     numbers = np.concatenate([step.numbers for step in drive.steps])
     new = numbers[np.unique(numbers, return_index=True)[1]]
     assert new.tolist() == list(range(len(drive.landmarks)))
@@ -82,7 +72,7 @@ def test_landmarks_are_numbered_as_they_are_seen_first():
 
 
 def test_the_graph_is_nearer_and_more_consistent_where_noise_is_large(ekf, smoother):
-    found = compare(ekf, smoother, HARD, (120,), range(6))
+    found = ekf_and_graph.compare(ekf, smoother, HARD, (120,), range(6))
     assert found["graph"]["path"].shape == (1, 6)
     assert all(found["graph"][name].mean() < found["ekf"][name].mean() for name in ("path", "nees"))
     alt = draw_ekf_and_graph().alt
@@ -90,24 +80,29 @@ def test_the_graph_is_nearer_and_more_consistent_where_noise_is_large(ekf, smoot
 
 
 def test_nees_of_the_truth_is_nothing_and_headings_are_taken_on_the_circle(ekf):
-    drive = hall_drive(3, 15, HARD)
+    drive = ekf_and_graph.hall_drive(3, 15, HARD)
     turned = drive.poses + (0.0, 0.0, 2 * np.pi)
-    exact = run_filter(drive, ekf)._replace(poses=turned, landmarks=drive.landmarks)
-    assert [scores(drive, exact)[name] for name in ("path", "last", "landmarks", "nees")] == pytest.approx(
-        [0] * 4
-    )
+    exact = ekf_and_graph.run_filter(drive, ekf)._replace(poses=turned, landmarks=drive.landmarks)
+    assert [
+        ekf_and_graph.scores(drive, exact)[name] for name in ("path", "last", "landmarks", "nees")
+    ] == pytest.approx([0] * 4)
 
 
 def test_a_graph_that_is_solved_at_every_stop_is_the_whole_one_at_the_end(ekf, smoother):
-    drive = hall_drive(4, 20, HARD)
+    drive = ekf_and_graph.hall_drive(4, 20, HARD)
     sizes = []
 
     def watched(graph, states, iterations):
         sizes.append((graph.poses, graph.landmarks, len(graph.edges)))
         return smoother.gauss_newton(graph, states, iterations)
 
-    assert at_every_stop(drive, smoother._replace(gauss_newton=watched), run_filter(drive, ekf)) > 0
-    whole = drive_graph(drive)
+    assert (
+        ekf_and_graph.at_every_stop(
+            drive, smoother._replace(gauss_newton=watched), ekf_and_graph.run_filter(drive, ekf)
+        )
+        > 0
+    )
+    whole = ekf_and_graph.drive_graph(drive)
     assert [poses for poses, _, _ in sizes] == list(range(2, 22))
     assert sizes[-1] == (whole.poses, whole.landmarks, len(whole.edges))
     assert sizes == sorted(sizes)
