@@ -16,7 +16,7 @@ def warm_server():
 
 @pytest.fixture
 def secret(tmp_path, monkeypatch):
-    """An instructor's secret, which the commands use."""
+    """Return the path of an instructor's secret, which the commands use."""
     path = tmp_path / "secret"
     path.write_bytes(chain.SECRET)
     path.chmod(0o600)

@@ -155,7 +155,7 @@ def test_links_lead_somewhere(page):
 
 @pytest.fixture(scope="module")
 def tests():
-    """The names of all tests."""
+    """Return the names of all tests."""
     texts = [path.read_text(encoding="utf-8") for path in (PROJECT / "tests").rglob("test_*.py")]
     return {name for text in texts for name in re.findall(r"^def (test_\w+)", text, re.MULTILINE)}
 

@@ -54,27 +54,20 @@ TWICE_ROUND = "def smoothing(size):\n    i = np.arange(size)\n    return np.exp(
 def test_the_solution_earns_all_and_what_an_own_mistake_costs_is_that_exercise_alone(built, tmp_path):
     handed = tmp_path / "in"
     handed_in(built, handed / "ada", small.COLOURS)
+    wrong = {"cleo": {"Odometer": STANDS}, "dan": {"smoothing": TWICE_ROUND}}
     for student in ("ada", "bob", "cleo", "dan"):
-        wrong = {"cleo": {"Odometer": STANDS}, "dan": {"smoothing": TWICE_ROUND}}.get(student, {})
-        handed_in(built, handed / student, small.SMALL, **wrong)
+        handed_in(built, handed / student, small.SMALL, **wrong.get(student, {}))
     handed_in(built, handed / "bob", small.COLOURS, color_labels=WRONG_LABELS)
     (handed / "eve").mkdir()
     shutil.copy(built / "notebooks" / f"{small.SMALL}.ipynb", handed / "eve")
     run(built, "grade", handed, "--out", tmp_path / "grades", "--lesson", "04", "--jobs", "1")
     with Journal(tmp_path / "grades", make=False) as journal:
-        results = {each.student: each for each in journal.results(small.SMALL)}
-    right = {
-        who: tuple(each.name for each in result.exercises if each.earned == each.points)
-        for who, result in results.items()
-    }
+        results = {each.student: each.exercises for each in journal.results(small.SMALL)}
+    right = {who: tuple(e.name for e in made if e.earned == e.points) for who, made in results.items()}
+    again = {who: {e.name for e in made if e.with_reference} for who, made in results.items()}
     assert right["ada"] == right["bob"] == NAMES  # bob's own labels of lesson 01 are wrong: ours were used
     assert right["cleo"] == tuple(name for name in NAMES if name != "Odometer")
-    assert right["dan"] == NAMES[:-1]
-    assert right["eve"] == ()
-    again = {
-        who: {each.name for each in result.exercises if each.with_reference}
-        for who, result in results.items()
-    }
+    assert right["dan"] == NAMES[:-1] and right["eve"] == ()
     assert again["ada"] == set() and again["bob"] == {"green_by_row"}
     assert again["cleo"] == {"green_by_row", "length_of_way"}  # cleo handed in no lesson 01
 

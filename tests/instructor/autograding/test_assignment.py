@@ -81,14 +81,8 @@ IN_THE_LIBRARY = dict.fromkeys(  # a file, and whether a score of the lesson 90_
     ),
     True,
 )
-OF_OTHERS = (
-    "lessons/other/drivers.py",
-    "plotting/maps.py",
-    "widgets/panel.py",
-    "instructor/commands.py",
-    "cli.py",
-)
-IN_THE_LIBRARY |= dict.fromkeys(OF_OTHERS, False)
+OF_OTHERS = ("lessons/other/drivers.py", "plotting/maps.py", "widgets/panel.py", "instructor/commands.py")
+IN_THE_LIBRARY |= dict.fromkeys((*OF_OTHERS, "cli.py"), False)
 
 
 @pytest.fixture

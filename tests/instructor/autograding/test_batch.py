@@ -33,7 +33,7 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and modes of
 
 @pytest.fixture
 def toy(tmp_path):
-    """A prepared lesson and the submissions of a small class."""
+    """Return a prepared lesson and the submissions of a small class."""
     course = chain.make_course(tmp_path / "course")
     found = of_lessons(gather(hand_in(tmp_path / "in"), tmp_path, course.names()), course.names())
     return prepare(course, "90", chain.SECRET), found
@@ -198,7 +198,7 @@ def of_this_run(marker):
 
 
 def class_of_100(tmp_path):
-    """A prepared lesson and a hundred submissions of four kinds."""
+    """Return a prepared lesson and a hundred submissions of four kinds."""
     kinds = [{}, chain.BLANK, chain.MISTAKES, {"double": chain.MISTAKES["double"]}]
     for number in range(100):
         content = chain.notebook(kinds[number % 4], extra=f"n = {number}")

@@ -25,10 +25,10 @@ SOURCE = 'def f(x):\n    return x / 0\n    y = "é"  # return x / 1\n\ndef g(x):
 
 def described(expected, got, comparison=None, case=None):
     """What is told of an answer to a hidden case."""
-    return told_of(Outcome("value", got), case or Case((), expected=expected), comparison)
+    return outcome_of(Outcome("value", got), case or Case((), expected=expected), comparison)
 
 
-def told_of(outcome, case, comparison=None):
+def outcome_of(outcome, case, comparison=None):
     exercise = replace(EXERCISE, comparison=comparison or Close())
     return describe_outcome(exercise, case, outcome, Files(b"{}", {}), 10.0)
 
@@ -135,5 +135,5 @@ def test_an_answer_where_an_exception_is_asked_for_is_told_without_it():
         Outcome("raised", text=f"{name}: 987", errors=(name, "Exception"))
         for name in ("ValueError", "KeyError")
     )
-    assert told_of(raised, case) is None
-    assert told_of(other, case).text == "It raises KeyError."
+    assert outcome_of(raised, case) is None
+    assert outcome_of(other, case).text == "It raises KeyError."

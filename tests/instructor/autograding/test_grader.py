@@ -53,7 +53,7 @@ def marked(warm_server, assignment, tmp_path):
 
 @pytest.fixture
 def handed_in(tmp_path):
-    """A right notebook that was handed in."""
+    """Return a submission of a right notebook."""
     path = chain.hand_in(tmp_path, "ada", chain.notebook())
     return Submission("ada", chain.LESSON, path, file="ada/x.ipynb")
 
@@ -104,7 +104,7 @@ def test_a_blank_copy_gets_none_and_is_said_not_to_be_attempted(marked):
 
 
 def counting(name, body):
-    """A function that counts its calls."""
+    """Return the source of a function that counts its calls, by name."""
     return {name: f"def {name}(x):\n    {name}.n = getattr({name}, 'n', 0) + 1\n    return {body}"}
 
 
@@ -220,7 +220,7 @@ def test_lists_float32_classes_and_helper_files_are_honest_work(marked):
     assert states(result)["double"] == states(result)["total"] == states(result)["plus_one"] == "right"
 
 
-def test_a_written_answer_is_what_the_cell_says_and_the_assistant_is_told_which_statements_failed(marked):
+def test_a_written_answer_is_what_the_cell_says_and_failed_statements_are_named(marked):
     result = marked(answer="  Because *it* is so.\n", extra="y = 1 / 0")
     (answer,) = result.written
     assert (answer.name, answer.number, answer.points) == ("why", "90.W1", 2)

@@ -284,7 +284,7 @@ def test_what_is_asked_of_the_reference_has_the_time_of_one_submission(reference
 
 @pytest.fixture
 def noted(monkeypatch):
-    """What References were given, at each time."""
+    """Return what `References` was given, each time."""
     given = []
 
     class Noted(References):

@@ -75,7 +75,7 @@ def test_check_the_terminal_and_student_functions_judge_them_alike(public, tmp_p
 
 
 def grader_with(assignment, name, call):
-    """A grader of submissions whose worker is a function, and a task."""
+    """Return a grader of submissions whose worker is a function, and a task."""
     worker = SimpleNamespace(call=call)
     grader = SubmissionGrader(worker, assignment, Files(b"{}"), None, lambda: False, Allowances(values.RIGHT))
     return grader, next(task for task in assignment.tasks if task.public.name == name)

@@ -35,35 +35,34 @@ def large(tmp_path):
     return json.dumps(notebook).encode()
 
 
-def test_it_loses_its_outputs_in_every_kind_of_process(large, server):
-    assert b"def one" in shortened(large, server)
-    assert shortened(large, server) == shortened(large, None) == parsed_here("own.ipynb", large)
+def test_it_loses_its_outputs_in_every_kind_of_process_and_its_time_counts(large, server):
+    allowance = Allowance()
+    made = shortened(large, server, allowance=allowance)
+    assert b"def one" in made and allowance.spent > 0
+    assert made == shortened(large, None) == parsed_here("own.ipynb", large)
+    with pytest.raises(Ended, match="used up"):
+        shortened(large, server, allowance=Allowance(0.0))
+
+
+def refusal(content, server):
+    with pytest.raises(Ended) as ended:
+        shortened(content, server)
+    assert ended.value.outcome.status == "not found"
+    return ended.value.outcome.text
 
 
 @pytest.mark.parametrize("content", [b"[" * 10**7, b"{" + b" " * 10**7, b"[" + b"[]," * 10**6 + b"[]]"])
 def test_what_is_no_notebook_is_refused_with_the_reason(content, server):
-    with pytest.raises(Ended) as ended:
-        shortened(content, server)
     with pytest.raises(ValueError, match="own.ipynb") as reason:
         parsed_here("own.ipynb", content)
-    assert (ended.value.outcome.status, ended.value.outcome.text) == ("not found", str(reason.value))
+    assert refusal(content, server) == str(reason.value)
 
 
 def test_a_reason_cannot_control_a_terminal(server):
     kernel = {"kernelspec": {"language": "\x1b[2J\u202eR"}}
     cells = [{"cell_type": "code", "source": "x <- 1", "metadata": {}}]
     content = json.dumps({"nbformat": 4, "metadata": kernel, "cells": cells}).encode()
-    with pytest.raises(Ended) as ended:
-        shortened(content, server)
-    assert ended.value.outcome.text == "own.ipynb: expected a notebook in Python, got  [2J R"
-
-
-def test_its_time_counts_and_has_an_end(large, server):
-    allowance = Allowance()
-    shortened(large, server, allowance=allowance)
-    assert allowance.spent > 0
-    with pytest.raises(Ended, match="used up"):
-        shortened(large, server, allowance=Allowance(0.0))
+    assert refusal(content, server) == "own.ipynb: expected a notebook in Python, got  [2J R"
 
 
 def test_one_is_read_at_a_time(large, monkeypatch):

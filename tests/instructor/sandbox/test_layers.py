@@ -48,18 +48,14 @@ def test_what_is_required_and_missing_is_named_with_its_reason():
     assert "STUDENTS' CODE CAN READ" in str(made())
 
 
-def test_the_machine_is_tried_once_and_says_all_its_layers():
+def test_the_machine_is_tried_once_and_off_linux_has_processes_with_limits_and_no_more(monkeypatch):
     sandbox = probe()
     assert {layer.name for layer in sandbox.layers} >= set(ALL)
     assert all(layer.detail for layer in sandbox.layers if not layer.on)
     assert probe() is sandbox
-
-
-def test_off_linux_there_are_processes_with_limits_and_no_more(monkeypatch):
     monkeypatch.setattr(sys, "platform", "darwin")
     sandbox = probe.__wrapped__()
-    assert sandbox.level == "process"
-    assert "not on darwin" in str(sandbox)
+    assert sandbox.level == "process" and "not on darwin" in str(sandbox)
 
 
 @pytest.mark.parametrize("module", ["worker", "fork_server"])

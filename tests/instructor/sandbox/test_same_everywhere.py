@@ -90,16 +90,16 @@ def test_a_call_that_waits_for_a_processor_has_its_time_left(tmp_path, warm_serv
 def test_processes_that_a_worker_starts_come_last(tmp_path, warm_server):
     source = """
 import os, time
-def priority_of_a_child(x):
+def priority_of_a_child(lowest):
     child = os.fork()
     if child == 0:
-        while os.getpriority(os.PRIO_PROCESS, 0) == x:
+        while os.getpriority(os.PRIO_PROCESS, 0) != lowest:
             time.sleep(0.01)
-        os._exit(os.getpriority(os.PRIO_PROCESS, 0))
+        os._exit(lowest)
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 """
     with Worker(toy.write(tmp_path / "x.ipynb", source), seconds=AMPLE, server=warm_server) as worker:
-        assert worker.call("priority_of_a_child", Case((0,))).value == 19
+        assert worker.call("priority_of_a_child", Case((19,))).value == 19
 
 
 @posix

@@ -38,12 +38,13 @@ def centre(points, weights):
 """
 
 
+def works_of(codes):
+    codes = [(code,) if isinstance(code, str) else tuple(code) for code in codes]
+    return [Work(f"s{number:02d}", code) for number, code in enumerate(codes)]
+
+
 def pairs_of(*codes, known=()):
-    works = [
-        Work(f"s{number:02d}", (code,) if isinstance(code, str) else tuple(code))
-        for number, code in enumerate(codes)
-    ]
-    return [(each.first.student, each.second.student) for each in compare(works, known).pairs]
+    return [(each.first.student, each.second.student) for each in compare(works_of(codes), known).pairs]
 
 
 @pytest.fixture(scope="module", params=["02_goalposts", "08_graph_slam"])
@@ -78,39 +79,32 @@ def test_the_marked_passages_are_what_both_have():
         assert all(before[1] < after[0] for before, after in pairwise(passages))
 
 
-def test_what_is_known_is_not_found():
+def test_what_is_known_released_or_of_the_solution_is_not_found():
     assert pairs_of(OWN, OWN) and not pairs_of(OWN, OWN, known=[OWN])
     assert pairs_of(OWN, OWN, known=[OTHER])
-
-
-def test_a_notebook_is_not_found_for_what_is_released_or_for_the_solution():
-    course = load_course(PROJECT)
-    lesson = "02_goalposts"
-    solution = [codes[0] for codes in right_answers(course, lesson).values()]
+    course, lesson = load_course(PROJECT), "02_goalposts"
     known = known_code(course, lesson)
-    assert not pairs_of(given_code(course, lesson), given_code(course, lesson), known=known)
-    assert not pairs_of(solution, solution, known=known)
+    solution = [codes[0] for codes in right_answers(course, lesson).values()]
+    for code in (given_code(course, lesson), solution):
+        assert not pairs_of(code, code, known=known)
 
 
 def test_copies_in_any_number_are_named():
     distinct = [f"{OWN}\ny = {str(number) * 60}" for number in range(COMMON + 1)]
     assert len(pairs_of(*distinct[:COMMON])) == COMMON * (COMMON - 1) / 2
     assert len(pairs_of(*[OWN] * (COMMON + 1))) == COMMON * (COMMON + 1) / 2
-    found = compare(
-        [Work(f"s{number:02d}", (code,)) for number, code in enumerate([*distinct, OTHER])], known=()
-    )
+    found = compare(works_of([*distinct, OTHER]), known=())
     (common,) = found.common
-    assert not found.pairs and [each.student for each in common.works] == [
-        f"s{k:02d}" for k in range(COMMON + 1)
-    ]
+    assert not found.pairs
+    assert [each.student for each in common.works] == [f"s{k:02d}" for k in range(COMMON + 1)]
     marked = "".join(common.works[0].code[start:end] for start, end in common.passages)
     assert "np.isfinite(" in marked and min(common.shares) > 0.8
 
 
 def test_two_sources_of_common_code_are_two_lists():
     codes = [f"{code}\ny = {str(number) * 60}" for code in (OWN, OTHER) for number in range(COMMON + 1)]
-    works = [Work(f"s{number:02d}", (code,)) for number, code in enumerate([*codes, OWN + OTHER])]
-    groups = [{each.student for each in common.works} for common in compare(works, known=()).common]
+    found = compare(works_of([*codes, OWN + OTHER]), known=()).common
+    groups = [{each.student for each in common.works} for common in found]
     apart = {"s00", f"s{COMMON + 1:02d}"}
     assert len(groups) >= 2 and not any(apart <= group for group in groups)
 

@@ -52,16 +52,28 @@ def course(tmp_path):
     return chain.make_course(tmp_path / "course")
 
 
-def graded(found, assignment_of, grades, **more):
+def graded(found, assignment, grades, **more):
     """Grade into a journal and pages: the summary, and all that was kept, as text and bytes."""
     with Journal(grades) as journal:
         publish = feedback_writer(journal, grades / "feedback")
-        summary = grade_all(found, assignment_of, journal, publish=publish, **more)
-    pages = {path.relative_to(grades): path.read_bytes() for path in sorted(grades.rglob("*.html"))}
-    return summary, json.dumps(list(kept(grades).values())), pages
+        summary = grade_all(found, lambda _: assignment, journal, publish=publish, **more)
+    return summary, *all_kept(grades)
 
 
-# --- the same results ---
+def all_kept(grades):
+    pages = {path.relative_to(grades): path.read_bytes() for path in grades.rglob("*.html")}
+    return json.dumps(list(kept(grades).values())), pages
+
+
+@pytest.fixture
+def graded_here(warm_server, tmp_path):
+    """Grade on this machine alone."""
+    more = {"jobs": 2, "server": warm_server, "level": probe().level}
+    return lambda found, assignment: graded(found, assignment, tmp_path / "a", **more)
+
+
+def gathered(root):
+    return of_lessons(gather(root, root.parent, [chain.LESSON]), [chain.LESSON])
 
 
 def a_class_of_every_kind(root: Path) -> Path:
@@ -78,21 +90,18 @@ def a_class_of_every_kind(root: Path) -> Path:
 
 
 def test_a_class_has_the_scores_and_pages_of_one_machine_byte_for_byte(
-    course, warm_server, two_workers, tmp_path
+    course, graded_here, two_workers, tmp_path
 ):
-    root = a_class_of_every_kind(tmp_path / "in")
-    found = of_lessons(gather(root, tmp_path, course.names()), course.names())
-    assignment = prepare(course, "90", chain.SECRET)
-    level = probe().level
-    local = graded(found, lambda _: assignment, tmp_path / "a", jobs=2, server=warm_server, level=level)
-    remote = graded(found, lambda _: assignment, tmp_path / "b", workers=two_workers)
+    found, assignment = gathered(a_class_of_every_kind(tmp_path / "in")), prepare(course, "90", chain.SECRET)
+    local = graded_here(found, assignment)
+    remote = graded(found, assignment, tmp_path / "b", workers=two_workers)
     assert (remote[0].graded, len(remote[0].refused), remote[0].failed) == (7, len(local[0].refused), [])
     assert remote[1:] == local[1:] and len(local[2]) == len(found) >= 9
-    again = graded(found, lambda _: assignment, tmp_path / "b", workers=two_workers)
+    again = graded(found, assignment, tmp_path / "b", workers=two_workers)
     assert again[0].unchanged == len(found) and again[1:] == local[1:]
 
 
-def test_earlier_work_and_the_reference_go_with_a_submission(warm_server, two_workers, tmp_path):
+def test_earlier_work_and_the_reference_go_with_a_submission(graded_here, two_workers, tmp_path):
     made = pair.make_course(tmp_path / "course")
     mine = pair.write(tmp_path / "ada" / "1.ipynb", pair.FIRST)
     second = pair.write(tmp_path / "ada" / "2.ipynb", pair.SECOND)
@@ -100,39 +109,32 @@ def test_earlier_work_and_the_reference_go_with_a_submission(warm_server, two_wo
     found = [Submission(student, pair.SECOND, second) for student in ("ada", "bob")]
     found = with_earlier(found, before, lambda _: [pair.FIRST])
     assignment = prepare(made, pair.SECOND, chain.SECRET)
-    level = probe().level
-    local = graded(found, lambda _: assignment, tmp_path / "a", jobs=2, server=warm_server, level=level)
-    remote = graded(found, lambda _: assignment, tmp_path / "b", workers=two_workers)
+    local = graded_here(found, assignment)
+    remote = graded(found, assignment, tmp_path / "b", workers=two_workers)
     assert remote[1:] == local[1:]
     earned = [sum(each["earned"] for each in result["exercises"]) for result in json.loads(remote[1])]
     assert earned == [31.0, 29.0]  # bob's reference stands in for what he did not hand in
 
 
-def test_a_parcel_has_the_hash_of_what_was_handed_in(course, tmp_path):
-    root = a_class_of_every_kind(tmp_path / "in")
-    for each in of_lessons(gather(root, tmp_path, course.names()), course.names()):
+def test_a_parcel_has_the_hash_of_what_was_handed_in(tmp_path):
+    for each in gathered(a_class_of_every_kind(tmp_path / "in")):
         with SubmissionParcel.of(each).laid_out() as there:
             assert submission_hash(there) == submission_hash(each)
             assert not each.path.is_relative_to(there.path.parent)
         assert not there.path.exists()
 
 
-# --- who may grade ---
-
 HERE = Requirement.of_this_machine("process")
 
 
-@pytest.mark.parametrize(
-    ("changed", "reason"),
-    [
-        (replace(HERE, code="another"), "install the same version and start the worker again"),
-        (replace(HERE, versions="python 2.7"), "the grader has python 2.7"),
-        (HERE, ""),
-    ],
-)
-def test_a_worker_needs_the_same_course_and_libraries(changed, reason):
-    assert reason in changed.unfulfilled()
-    assert bool(changed.unfulfilled()) == bool(reason)
+def test_a_worker_needs_the_same_course_and_libraries(two_workers):
+    assert two_workers.requirement.versions == installed(), "the versions that the journal keeps"
+    another = replace(HERE, code="another").unfulfilled()
+    assert "install the same version and start the worker again" in another
+    assert "the grader has python 2.7" in replace(HERE, versions="python 2.7").unfulfilled()
+    assert HERE.unfulfilled() == ""
+    changed = [replace(HERE, **{name: "other"}).resource for name in ("code", "versions", "level")]
+    assert len({HERE.resource, *changed}) == 4, "each part has a resource of its own"
 
 
 def test_a_worker_needs_the_level_of_the_grader_or_the_level_that_is_required(monkeypatch):
@@ -141,11 +143,6 @@ def test_a_worker_needs_the_level_of_the_grader_or_the_level_that_is_required(mo
     reason = replace(HERE, level="landlock").unfulfilled()
     assert "not today" in reason and "--require-sandbox process" in reason
     assert replace(HERE, level="process").unfulfilled() == ""
-
-
-def test_each_part_of_a_requirement_has_a_resource_of_its_own():
-    changed = [replace(HERE, **{name: "other"}).resource for name in ("code", "versions", "level")]
-    assert len({HERE.resource, *changed}) == 4
 
 
 def test_a_refused_worker_is_named_with_the_reason_and_gets_nothing(two_workers, course, tmp_path):
@@ -173,8 +170,6 @@ def test_the_digest_of_a_course_is_of_all_its_modules(monkeypatch, tmp_path):
     assert len(seen | {package_digest.__wrapped__()}) == 3
 
 
-# --- the network ---
-
 CONNECTS = """
 import socket
 def double(x):
@@ -196,9 +191,6 @@ def test_students_code_cannot_reach_the_scheduler_or_a_worker(two_workers, cours
         result = two_workers.submit(Submission(f"eve{number}", chain.LESSON, path), assignment).result(300)
         assert result.exercises[0].state == "raised" and result.exercises[0].earned == 0
         assert any("connect" in each or "socket" in each for each in result.attempts)
-
-
-# --- what is said ---
 
 
 @pytest.mark.parametrize(
@@ -223,44 +215,29 @@ def free_port() -> int:
         return found.getsockname()[1]
 
 
-def test_a_scheduler_that_is_not_there_is_named(monkeypatch):
+def refused_scheduler(address, said):
+    with pytest.raises(ClusterError, match=said), open_cluster("process", scheduler=address):
+        pass
+
+
+def test_a_scheduler_that_is_not_there_or_has_no_certificate_is_named(monkeypatch):
     monkeypatch.setattr(dispatch, "SECONDS_TO_CONNECT", 0.5)
     address = f"tcp://127.0.0.1:{free_port()}"
-    with (
-        pytest.raises(ClusterError, match=f"cannot reach a scheduler at {address}.*dask scheduler"),
-        open_cluster("process", scheduler=address),
-    ):
-        pass
-    with pytest.raises(ClusterError, match="cannot reach"), open_cluster("process", scheduler=address[6:]):
-        pass
+    refused_scheduler(address, f"cannot reach a scheduler at {address}.*dask scheduler")
+    refused_scheduler(address[6:], "cannot reach")
+    refused_scheduler("tls://10.0.0.1:8786", "name no certificate")
 
 
-@pytest.mark.parametrize(
-    "address",
-    [
-        "nothing",
-        "tcp://",
-        "tcp://here",
-        "tcp://here:port",
-        "tcp://[::1",
-        "tcp://here:99999",
-        "what://10.0.0.1:8786",
-    ],
-)
+ODD_ADDRESSES = ["nothing", "tcp://", "tcp://here", "tcp://here:port", "tcp://[::1", "tcp://here:99999"]
+
+
+@pytest.mark.parametrize("address", [*ODD_ADDRESSES, "what://10.0.0.1:8786"])
 def test_an_address_that_dask_refuses_leaves_no_client_half_open(address):
     """The garbage collector would close it while another client starts, and both would wait for one lock."""
     with pytest.raises(ClusterError, match="the address that `dask scheduler` prints"):
         dispatch._connect(address, print)
     clients = [each for each in gc.get_objects() if isinstance(each, dispatch.Client)]
     assert "connecting" not in {each.status for each in clients}
-
-
-def test_without_a_certificate_an_encrypted_scheduler_is_not_tried():
-    with (
-        pytest.raises(ClusterError, match="name no certificate"),
-        open_cluster("process", scheduler="tls://10.0.0.1:8786"),
-    ):
-        pass
 
 
 def test_without_encryption_only_this_machine_is_silent(monkeypatch):
@@ -290,14 +267,10 @@ def test_workers_of_this_machine_listen_to_no_other_machine(two_workers):
     assert two_workers.client.scheduler.address.startswith("tls://")
 
 
-def test_without_dask_the_command_says_what_to_install(course, tmp_path, monkeypatch):
+def test_without_dask_the_command_says_what_to_install(course, secret, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "nao_course.instructor.autograding.cluster.dispatch", None)
     monkeypatch.delitem(sys.modules, "nao_course.instructor.autograding.cluster.dispatch")
     monkeypatch.setitem(sys.modules, "distributed", None)
-    secret = tmp_path / "secret"
-    secret.write_bytes(chain.SECRET)
-    secret.chmod(0o600)
-    monkeypatch.setenv("NAO_COURSE_SECRET", str(secret))
     monkeypatch.chdir(course.root)
     hand_in(tmp_path / "in")
     words = ["grade", str(tmp_path / "in"), "--out", str(tmp_path / "grades")]
@@ -305,9 +278,6 @@ def test_without_dask_the_command_says_what_to_install(course, tmp_path, monkeyp
     assert said.exit_code == 1 and "nao-course[scale]" in said.output
     said = CliRunner().invoke(cli.app, [*words, "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"])
     assert said.exit_code == 1 and "not both" in said.output
-
-
-# --- what is lost ---
 
 
 def a_class_that_takes_a_while(root: Path, many: int) -> Path:
@@ -321,19 +291,14 @@ def a_class_that_takes_a_while(root: Path, many: int) -> Path:
 @posix
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["dies", "hangs"])
-def test_what_a_lost_worker_had_is_graded_by_another_one_once(course, warm_server, tmp_path, number):
-    """A worker that hangs goes on after it was given up: its late results are dropped.
-
-    A worker of a busy machine may be silent for some seconds, and is not given up for that.
-    """
-    root = a_class_that_takes_a_while(tmp_path / "in", 40)
-    found = of_lessons(gather(root, tmp_path, course.names()), course.names())
+def test_what_a_lost_worker_had_is_graded_by_another_one_once(course, graded_here, tmp_path, number):
+    """A worker that hangs goes on after it was given up: its late results are dropped."""
+    found = gathered(a_class_that_takes_a_while(tmp_path / "in", 40))
     assignment = prepare(course, "90", chain.SECRET)
-    level, done, lost = probe().level, [], []
-    local = graded(found, lambda _: assignment, tmp_path / "a", jobs=2, server=warm_server, level=level)
+    done, lost, local = [], [], graded_here(found, assignment)
     with (
-        dask.config.set({"distributed.scheduler.worker-ttl": "20s"}),
-        open_cluster(level, workers=2, jobs=4) as cluster,
+        dask.config.set({"distributed.scheduler.worker-ttl": "5s"}),
+        open_cluster(probe().level, workers=2, jobs=4) as cluster,
     ):
         workers = cluster.client.run(os.getpid)
 
@@ -346,7 +311,7 @@ def test_what_a_lost_worker_had_is_graded_by_another_one_once(course, warm_serve
                 with contextlib.suppress(psutil.NoSuchProcess):
                     lost[0].send_signal(signal.SIGCONT)
 
-        remote = graded(found, lambda _: assignment, tmp_path / "b", workers=cluster, tell=tell)
+        remote = graded(found, assignment, tmp_path / "b", workers=cluster, tell=tell)
     assert remote[0].graded == 40 and remote[1:] == local[1:]
     assert sorted(done) == sorted(each.student for each in found)
     assert rows(tmp_path / "b", "history") == 0
@@ -384,28 +349,21 @@ class Installation:
         return (self.folder / "said").read_text(encoding="utf-8", errors="replace")
 
     def start_cluster(self, scheme: str = "tcp") -> list[subprocess.Popen[bytes]]:
-        self.address = f"{scheme}://127.0.0.1:{free_port()}"
-        port = self.address.rpartition(":")[2]
-        started = [
-            self.start("dask", "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"),
-            *(
-                self.start("dask", "worker", self.address, "--nthreads", 2, "--no-dashboard")
-                for _ in range(2)
-            ),
-        ]
-        return started
+        port = free_port()
+        self.address = f"{scheme}://127.0.0.1:{port}"
+        scheduler = ("scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard")
+        worker = ("worker", self.address, "--nthreads", 2, "--no-dashboard")
+        return [self.start("dask", *words) for words in (scheduler, worker, worker)]
 
     def grade(self) -> subprocess.Popen[bytes]:
         words = ("grade", self.folder / "in", "--out", self.folder / "b", "--scheduler", self.address)
         return self.start("nao_course.cli", *words)
 
     def wait_for_results(self, many: int) -> None:
-        until = time.monotonic() + 300
-        while time.monotonic() < until:
-            if (self.folder / "b" / NAME).exists() and rows(self.folder / "b", "results") >= many:
-                return
+        grades, until = self.folder / "b", time.monotonic() + 300
+        while not ((grades / NAME).exists() and rows(grades, "results") >= many):
+            assert time.monotonic() < until, "the grader has no results after 300 s"
             time.sleep(0.05)
-        pytest.fail("the grader has no results after 300 s")
 
     def kill(self, process: subprocess.Popen[bytes]) -> None:
         """Send kill -9 to a command and all its processes."""
@@ -424,30 +382,21 @@ class Installation:
 @posix
 @pytest.mark.slow
 @pytest.mark.parametrize("victim", ["scheduler", "worker", "grader"])
-def test_after_kill_9_the_same_command_goes_on(course, warm_server, tmp_path, victim):
-    root = a_class_that_takes_a_while(tmp_path / "in", 60)
-    found = of_lessons(gather(root, tmp_path, course.names()), course.names())
-    assignment = prepare(course, "90", chain.SECRET)
-    local = graded(
-        found, lambda _: assignment, tmp_path / "a", jobs=2, server=warm_server, level=probe().level
-    )
+def test_after_kill_9_the_same_command_goes_on(course, graded_here, tmp_path, victim):
+    found = gathered(a_class_that_takes_a_while(tmp_path / "in", 60))
+    local = graded_here(found, prepare(course, "90", chain.SECRET))
     with Installation(tmp_path) as there:
         scheduler, one, _ = there.start_cluster()
         grader = there.grade()
         there.wait_for_results(5)
         there.kill({"scheduler": scheduler, "worker": one, "grader": grader}[victim])
         assert rows(tmp_path / "b", "results") < 60
-        ended = grader.wait(300)
-        assert ended == {"scheduler": 1, "worker": 0, "grader": -signal.SIGKILL}[victim]
+        assert grader.wait(300) == {"scheduler": 1, "worker": 0, "grader": -signal.SIGKILL}[victim]
         if victim == "scheduler":
             there.start_cluster()
         if victim != "worker":
             assert there.grade().wait(300) == 0
-    with Journal(tmp_path / "b") as journal:
-        assert {each.student for each in journal.results()} == {each.student for each in found}
-    assert json.dumps(list(kept(tmp_path / "b").values())) == local[1]
-    pages = {path.relative_to(tmp_path / "b"): path.read_bytes() for path in (tmp_path / "b").rglob("*.html")}
-    assert pages == local[2]
+    assert all_kept(tmp_path / "b") == local[1:] and len(kept(tmp_path / "b")) == len(found)
     assert rows(tmp_path / "b", "history") == 0
 
 
@@ -506,10 +455,6 @@ def test_the_settings_of_the_page_encrypt_and_without_them_nobody_gets_in(course
         assert there.grade().wait(300) == 1 and "name no certificate" in there.said
         there.address = there.address.replace("tls", "tcp")
         assert there.grade().wait(300) == 1 and "cannot reach a scheduler" in there.said
-
-
-def test_the_versions_that_must_agree_are_those_that_the_journal_keeps(two_workers):
-    assert two_workers.requirement.versions == installed()
 
 
 class FakeClient:
