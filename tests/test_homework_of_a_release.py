@@ -1,7 +1,6 @@
 """What a student works in: no work is lost to a newer release, and a receipt says what was handed in."""
 
 import json
-import shutil
 import zipfile
 
 import nbformat
@@ -85,20 +84,6 @@ def test_a_newer_release_keeps_a_students_work(unpacked, files):
     assert sources[0].endswith("New in this release.") and "A new cell." in sources
     assert 'check("rgb_to_hsl", rgb_to_hsl)' in sources and "passed = True" not in sources
     assert homework.renew(unpacked) == []
-
-
-def test_work_survives_a_second_renewal_and_a_missing_memory_of_what_was_given(unpacked, files):
-    mine = unpacked / "notebooks" / "01_hsl_filtering.ipynb"
-    answer = "def hue_mask(hue, low, high):\n    return hue > low"
-    edit(mine, lambda cells: cell_with(cells, "def hue_mask").update(source=answer))
-    for release_files in (newer(files), files):
-        unpack(release_files, unpacked)
-        (renewal,) = homework.renew(unpacked)
-        assert renewal.carried == 1
-    shutil.rmtree(unpacked / "notebooks" / ".given")
-    (renewal,) = [each for each in homework.renew(unpacked) if each.kept]
-    assert answer in [cell.source for cell in nbformat.read(mine, as_version=4).cells]
-    assert len(list((unpacked / "notebooks" / "kept").iterdir())) == 3
 
 
 def test_a_submission_holds_the_lessons_notebooks_and_the_releases_version(unpacked, tmp_path):

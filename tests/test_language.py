@@ -98,12 +98,8 @@ class Lean:
         (14, "docstring 'Whether it is far.'"),
     ]
     cell = "# Slopes\n\n```{code-cell}\n:role: setup\n\nsurprise = 1  # a doubt\n```\n\n```text\nslopes\n```\nslopes\n"
-    assert [(each.line, each.text) for each in in_markdown(cell)] == [
-        (1, "Slopes"),
-        (6, "doubt"),
-        (6, "the name surprise"),
-        (12, "slopes"),
-    ]
+    found = [(each.line, each.text) for each in in_markdown(cell)]
+    assert found == [(1, "Slopes"), (6, "doubt"), (6, "the name surprise"), (12, "slopes")]
 
 
 @pytest.mark.parametrize(

@@ -258,9 +258,7 @@ def test_what_is_no_frame_is_refused(data):
 
 
 def test_a_registered_class_that_refuses_its_values_is_no_frame():
-    broken = (
-        encode(Pair("accepted", 1)).replace(b"accepted", b"refused ").replace(b'"refused "', b'"refused" ')
-    )
+    broken = encode(Pair("accepted", 1)).replace(b'"accepted"', b'"refused" ')
     with pytest.raises(CodecError, match="ZeroDivisionError"):
         decode(broken)
 

@@ -26,23 +26,16 @@ def cells(shell):
     return cells
 
 
-def test_a_definition_with_a_syntax_error_is_named_until_it_runs(shell, cells, capsys):
+def test_a_definition_with_a_syntax_error_or_below_an_error_is_named_until_it_runs(shell, cells, capsys):
     shell.run_cell("def double(x):\n    return x")
     assert cells.why_old("double") == ""
     shell.run_cell("def double(x):\n    return 2 *")
-    assert (
-        cells.why_old("double")
-        == "The cell that defines double did not run: SyntaxError, line 2: invalid syntax."
-    )
+    said = "The cell that defines double did not run: SyntaxError, line 2: invalid syntax."
+    assert cells.why_old("double") == said
     shell.run_cell("other = 1")
     assert cells.why_old("double")
     shell.run_cell("def double(x):\n    return 2 * x")
     assert cells.why_old("double") == ""
-
-
-def test_a_cell_that_raises_before_its_definition_leaves_the_old_one_and_after_it_the_new_one(
-    shell, cells, capsys
-):
     shell.run_cell("def double(x):\n    return x")
     shell.run_cell("1 / 0\ndef double(x):\n    return 2 * x")
     assert "ZeroDivisionError: division by zero" in cells.why_old("double")
@@ -61,12 +54,11 @@ def test_a_corrected_cell_that_also_checks_its_function_is_not_out_of_date(shell
     assert shell.user_ns["said"].startswith("The cell that defines double did not run")
 
 
-def test_a_class_and_a_name_that_was_never_defined_count_too_and_a_method_does_not(shell, cells, capsys):
+def test_a_class_and_a_new_name_count_too_a_method_does_not_and_outside_of_jupyter_nothing(
+    shell, cells, capsys
+):
     shell.run_cell("class Filter:\n    def update(self):\n        return (")
     assert cells.why_old("Filter") and not cells.why_old("update")
-
-
-def test_outside_of_jupyter_nothing_is_watched():
     cells = FailedCells()
     cells.watch()
     assert cells.why_old("double") == ""

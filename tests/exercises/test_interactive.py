@@ -43,7 +43,7 @@ def test_each_call_is_found_by_any_name_and_everything_is_as_before_afterwards(p
         assert outcome.errors[0] == "SystemExit"
 
 
-def test_ipythons_own_exit_ends_python_as_well():
+def test_nothing_is_read_from_standard_input_there_is_no_shell_and_exit_ends_python():
     class Quitter:
         def __call__(self):
             return "in Jupyter, it only ends the kernel later"
@@ -51,9 +51,6 @@ def test_ipythons_own_exit_ends_python_as_well():
     Quitter.__module__ = "IPython.core.autocall"
     function = FunctionType((lambda x: exit()).__code__, {"exit": Quitter(), "__builtins__": builtins})
     assert call(function, Case((3,))).errors[0] == "SystemExit"
-
-
-def test_nothing_can_be_read_from_standard_input_and_there_is_no_shell():
     assert call(lambda x: (sys.stdin.read(), get_ipython().system("ls")), Case((3,))).value == ("", None)  # noqa: F821
 
 
@@ -62,16 +59,13 @@ def test_a_name_that_an_untrusted_process_sends_is_never_repeated():
     assert remark_on(["42.1 hidden"]) == remark_on([]) == ""
 
 
-def test_a_block_within_a_block_leaves_the_outer_one_as_it_was():
+def test_a_block_leaves_an_outer_one_as_it_was_and_a_thread_replaces_nothing_in_the_process():
     with unattended() as outer:
         cv2.imshow("a", None)
         with unattended(SimpleNamespace()) as inner:
             plt.show()
         cv2.waitKey(1)
     assert (list(outer), list(inner)) == (["cv2.imshow", "cv2.waitKey"], ["plt.show"])
-
-
-def test_what_the_grader_answers_in_a_thread_replaces_nothing_in_its_process():
     before = builtins.input, sys.stdin
     assert outcome_of(lambda: (builtins.input, sys.stdin)).value == before
     assert call(lambda: builtins.input is before[0], Case(())).value is False

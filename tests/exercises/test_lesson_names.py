@@ -18,7 +18,4 @@ def test_a_lesson_is_meant_by_its_number_with_or_without_a_zero_and_by_its_name(
 )
 def test_another_word_means_none(word):
     assert meant(word, LESSONS) == []
-
-
-def test_two_lessons_of_one_number_are_both_meant():
     assert meant("1", ["01_a", "01_b", "02_c"]) == ["01_a", "01_b"]

@@ -16,11 +16,10 @@ from nao_course.exercises.comparisons.jacobians import jacobian
 from nao_course.exercises.running import find_driver
 
 
-def test_a_driver_of_the_library_is_found_by_its_bare_name():
+def test_a_driver_is_found_in_the_library_or_in_its_module_and_runs_with_the_students_function_first(
+    monkeypatch,
+):
     assert find_driver("jacobian") is jacobian
-
-
-def test_a_lessons_driver_is_found_in_its_module_and_runs_with_the_students_function_first(monkeypatch):
     monkeypatch.setattr("nao_course.exercises.running._DRIVERS", {})
     module = ModuleType("nao_course.a_lesson_of_this_test")
     monkeypatch.setitem(sys.modules, module.__name__, module)
@@ -75,12 +74,15 @@ def test_the_students_own_line_is_said_also_where_code_that_was_made_as_text_rai
     assert outcome.line == f"line {number}: {source.splitlines()[-1].strip()}"
 
 
+needs_alarm = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+
+
 def endless():
     while True:
         pass
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
+@needs_alarm
 def test_an_alarm_within_another_rings_no_later_and_leaves_the_outer_one_on():
     def inner_then_endless():
         with running.alarm(60.0):
@@ -98,8 +100,8 @@ def test_an_alarm_within_another_rings_no_later_and_leaves_the_outer_one_on():
     assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
-def test_an_alarm_rings_after_an_import_not_within_it(tmp_path, monkeypatch):
+@needs_alarm
+def test_an_alarm_rings_after_an_import_not_within_it_unless_that_never_ends(tmp_path, monkeypatch):
     """A compiled module that is begun and not ended can never be imported again: a lesson's first cell died of that."""
     (tmp_path / "slow_to_import.py").write_text("import time\ntime.sleep(0.2)\nENDED = True\n")
     monkeypatch.syspath_prepend(tmp_path)
@@ -112,12 +114,7 @@ def test_an_alarm_rings_after_an_import_not_within_it(tmp_path, monkeypatch):
     with pytest.raises(running.TimeIsUp), running.alarm(0.05):
         import_and_go_on()
     assert sys.modules["slow_to_import"].ENDED
-
-
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
-def test_an_alarm_does_not_wait_for_an_import_that_never_ends(tmp_path, monkeypatch):
     (tmp_path / "never_imported.py").write_text("while True:\n    pass\n")
-    monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr("nao_course._internal.time_limits.IMPORTING", 0.1)
     with pytest.raises(running.TimeIsUp), running.alarm(0.05):
         importlib.import_module("never_imported")

@@ -38,13 +38,18 @@ def test_a_lesson_that_is_done(tmp_path):
     total, upcoming = last_lines(progress(tmp_path))
     assert total == f"All lessons: 5 of 5 points pass their public checks. {overview.PUBLIC_ONLY}"
     assert upcoming == "Next: nothing, all lessons are complete."
+    page = progress(tmp_path)._repr_html_()
+    assert page.count('scope="col"') == 5 and page.count('scope="row"') == 1, "for screen readers"
 
 
-def test_a_lesson_that_is_begun_says_what_comes_next(tmp_path):
+def test_a_lesson_that_is_begun_says_what_comes_next_and_its_sum_before_that_of_all(tmp_path):
     toy.write(tmp_path / "90_toy.ipynb", toy.CLAMP, BLANK)
     found = progress(tmp_path)
     assert "begun" in repr(found) and "1 of 2" in repr(found)
     assert last_lines(found)[1] == "Next: exercise 90.2 mean_of_positive (not attempted), in 90_toy."
+    total = found.total("90_toy")
+    assert total.startswith("90_toy: 2 of 5 points pass their public checks. All lessons: 2 of 5 points")
+    assert total.endswith("the grader uses further checks with other inputs.")
 
 
 def test_a_lesson_with_a_written_answer_is_begun(tmp_path, written):
@@ -68,11 +73,7 @@ def test_written_answers_are_counted_apart_and_named_when_blank(tmp_path, writte
 
 @pytest.mark.parametrize(
     ("content", "said"),
-    [
-        (None, "90_toy.ipynb is not in your folder work."),
-        ("{", "90_toy.ipynb: not a notebook of format 4"),
-        ("", "90_toy.ipynb: not a notebook of format 4"),
-    ],
+    [(None, "90_toy.ipynb is not in your folder work."), ("{", "90_toy.ipynb: not a notebook of format 4")],
 )
 def test_a_notebook_that_is_missing_or_broken_is_a_sentence(tmp_path, content, said):
     (tmp_path / "work").mkdir()
@@ -88,16 +89,3 @@ def test_a_notebook_that_never_ends_is_a_sentence(tmp_path, monkeypatch):
     toy.write(tmp_path / "90_toy.ipynb", ENDLESS, *toy.SOLUTION)
     monkeypatch.setattr(overview, "SECONDS", 0.2)
     assert "90_toy.ipynb takes longer than 0.2 s" in repr(progress(tmp_path))
-
-
-def test_the_sum_of_one_lesson_stands_before_that_of_all(tmp_path):
-    toy.write(tmp_path / "90_toy.ipynb", toy.CLAMP, BLANK)
-    total = progress(tmp_path).total("90_toy")
-    assert total.startswith("90_toy: 2 of 5 points pass their public checks. All lessons: 2 of 5 points")
-    assert total.endswith("the grader uses further checks with other inputs.")
-
-
-def test_the_table_is_a_table_for_screen_readers_too(tmp_path):
-    toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
-    page = progress(tmp_path)._repr_html_()
-    assert page.count('scope="col"') == 5 and page.count('scope="row"') == 1

@@ -31,9 +31,11 @@ def drive(**own):
     return my_nao(clean_nao(), time_limit=60.0, **own)
 
 
-def test_saved_functions_look_along(here):
-    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+def test_saved_functions_look_along_and_what_they_print_in_their_check_is_not_shown(here, capsys):
+    noisy = toy.CLAMP.replace("    return", "    print('noise')\n    return")
+    toy.write(here / "90_toy.ipynb", noisy, toy.MEAN)
     panel = drive()
+    assert panel.view == "beside" and capsys.readouterr().out == ""
     panel.forward(0.05)
     assert "your NAO so far: ✔ distances (90)\ndistances: 1.0 m away" in panel.summary()
     assert np.allclose(panel._screen.contents().points, [(1.0, 0.0), (1.0, 0.5)])
@@ -72,42 +74,22 @@ def test_where_a_saved_function_drives_for_a_broken_one_it_is_said(here):
     assert said not in drive(clamp=clamp).summary()
 
 
-def test_one_sees_what_the_own_code_sees_and_a_robot_without_any_its_pictures(here):
-    assert drive().view == "picture"
-    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
-    assert drive().view == "beside"
-
-
 def test_what_is_missing_or_wrong_is_named_and_the_robot_drives(here):
     toy.write(here / "90_toy.ipynb", toy.CLAMP, "def mean_of_positive(values):\n    return 0.0")
     panel = drive()
     panel.forward(0.1)
-    assert (
-        "not yet: distances, because mean_of_positive of lesson 90 does not pass its check yet"
-        in panel.summary()
-    )
-    assert "Walk 0.10 m ahead: done." in panel.summary() and panel.error is None
+    said = panel.summary()
+    assert "not yet: distances, because mean_of_positive of lesson 90 does not pass its check yet" in said
+    assert "Walk 0.10 m ahead: done." in said and panel.error is None
 
 
-def test_what_a_function_prints_when_it_is_checked_is_not_shown(here, capsys):
-    toy.write(
-        here / "90_toy.ipynb", toy.CLAMP.replace("    return", "    print('noise')\n    return"), toy.MEAN
-    )
-    drive()
-    assert capsys.readouterr().out == ""
-
-
-def test_a_later_stage_waits_for_the_one_that_it_needs(here, stage):
+def test_a_later_stage_waits_for_the_one_that_it_needs_and_may_use_functions_of_earlier_lessons(here, stage):
     toy.write(here / "90_toy.ipynb", toy.CLAMP)
     later = Stage("map", "90_toy", ("clamp",), stage.wire, after=("distances",))
     found = stages.readiness([stage, later], {}, here)
     assert found.stages == () and found.missing["map"] == "it needs distances"
     toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
     assert stages.readiness([stage, later], {}, here).stages == (stage, later)
-
-
-def test_a_stage_may_use_functions_of_earlier_lessons(here, stage):
-    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
     later = Stage("map", "91_other", ("90:clamp",), stage.wire)
     assert list(stages.readiness([later], {}, here).functions) == ["clamp"]
 
@@ -116,3 +98,4 @@ def test_the_default_robot_is_the_same_each_time_and_its_truth_is_known():
     first, second = my_nao(time_limit=60.0), my_nao(time_limit=60.0)
     assert np.array_equal(first.cockpit.pictures["bottom"].pixels, second.cockpit.pictures["bottom"].pixels)
     assert first.cockpit.truth is not None and drive().cockpit.truth is None
+    assert drive().view == "picture"

@@ -69,9 +69,8 @@ def test_tolerances_that_fit_no_column_are_an_error_of_the_declaration(expected)
 )
 def test_an_answer_is_a_mistakes_where_comparing_them_finds_no_difference(law):
     rng = np.random.default_rng(0)
-    answers = [
-        rng.integers(0, 3, (2, 2)) * 180.0 + shift for shift in (0.0, 0.0, 1e-5, 0.4) for _ in range(8)
-    ]
+    shifts = [0.0, 0.0, 1e-5, 0.4]
+    answers = [rng.integers(0, 3, (2, 2)) * 180.0 + shift for shift in shifts for _ in range(8)]
     for number, answer in enumerate(answers):
         answer[rng.random((2, 2)) < 0.1] = np.nan
         answers[number] = (answer, 3.0) if number % 4 == 0 else answer
@@ -178,9 +177,8 @@ def test_sparse_matrices_sum_duplicate_entries_and_stay_sparse():
     assert Close().compare(sparse.csr_array([[0.0, 3.0], [5.0, 0.0]]), doubled)
     assert Close(allowed=0.25).compare(sparse.csr_array([[0.0, 3.0], [4.0, 0.0]]), doubled)
     assert Close().compare(doubled, sparse.csr_array([[0.0, 3.0], [5.0, 0.0]]))
-    wanted = sparse.coo_array(
-        (np.ones(2), (np.array([0, 999_999]), np.array([999_999, 0]))), shape=(10**6, 10**6)
-    )
+    corners = np.array([0, 999_999]), np.array([999_999, 0])
+    wanted = sparse.coo_array((np.ones(2), corners), shape=(10**6, 10**6))
     assert Close().compare(wanted, wanted.copy())
     assert Close(mask="upper").compare(wanted, wanted.copy())
     assert Close().compare(np.eye(3), sparse.csr_array(np.eye(3))).kind == "type"
