@@ -31,36 +31,22 @@ def rows(lesson):
 
 
 @each_challenge
-def test_it_stands_in_its_lesson_and_its_rows_have_a_score_of_each_case_and_a_reference(lesson):
+def test_it_stands_in_its_lesson_and_its_rows_have_a_score_of_each_case_and_a_better_one_than_the_reference(
+    lesson,
+):
     challenge = CHALLENGES[lesson]
     assert challenge.judge.__module__.split(".")[2] == lesson.partition("_")[2]
-    assert len(challenge.rows) >= 3 and any(row.name.startswith("the reference") for row in challenge.rows)
-    names = {column.name for column in challenge.columns}
-    assert all(len(row.cases) == len(challenge.seeds) and set(row.columns) == names for row in challenge.rows)
-
-
-@each_challenge
-def test_each_case_has_a_name_and_a_failing_entry_is_no_better_than_the_entry_that_does_nothing(lesson):
-    challenge = CHALLENGES[lesson]
-    names = [challenge.name_of(seed) for seed in challenge.seeds]
-    assert len(set(names)) == len(names)
+    names, columns = (
+        [challenge.name_of(seed) for seed in challenge.seeds],
+        {each.name for each in challenge.columns},
+    )
+    assert len(set(names)) == len(names) and len(challenge.rows) >= 3
+    assert all(len(row.cases) == len(names) and set(row.columns) == columns for row in challenge.rows)
+    (reference,) = (row for row in challenge.rows if row.name.startswith("the reference"))
+    assert any(challenge.beats(row.score, reference.score) for row in challenge.rows)
+    # A failing entry is no better than the entry that does nothing.
     cases = [challenge.rows[0].score] if lesson == "04_distance" else challenge.rows[0].cases
     assert not any(challenge.beats(challenge.nothing, case) for case in cases)
-
-
-@each_challenge
-def test_there_is_a_better_entry_than_the_reference(lesson):
-    scores = {name: row.score for name, row in rows(lesson).items()}
-    (reference,) = (score for name, score in scores.items() if name.startswith("the reference"))
-    assert any(CHALLENGES[lesson].beats(score, reference) for score in scores.values())
-
-
-@each_challenge
-def test_an_answer_of_another_kind_is_refused(lesson):
-    challenge = few(lesson)
-    for answer in (None, "words", {"a": 1}, object(), np.full(3, np.nan)):
-        with pytest.raises((TypeError, ValueError)):
-            challenge.judge(answer, challenge.scene(challenge.seeds[0]))
 
 
 FIVE = np.eye(5)
@@ -110,10 +96,11 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("lesson", REFUSED)
+@each_challenge
 def test_an_answer_that_cannot_be_scored_is_refused_with_the_reason(lesson):
     challenge = few(lesson)
-    for answer, word in REFUSED[lesson]:
+    other_kinds = [(answer, None) for answer in (None, "words", {"a": 1}, object(), np.full(3, np.nan))]
+    for answer, word in [*other_kinds, *REFUSED.get(lesson, ())]:
         with pytest.raises((TypeError, ValueError), match=word):
             challenge.judge(answer, challenge.scene(challenge.seeds[0]))
 
@@ -131,22 +118,13 @@ def test_the_figure_describes_its_cases_also_if_one_had_no_usable_answer(lesson)
 
 # What each lesson's text quotes of its board: (row, column or the score, format)
 QUOTED = {
-    "03_hough_corners": [
-        ("nothing", "score", ".2f"),
-        ("the paper's, infinite lines", "score", ".2f"),
-        ("the reference", "score", ".2f"),
-        ("a better detector", "score", ".2f"),
-    ],
+    "03_hough_corners": [(name, "score", ".2f") for name in ("the reference", "a better detector")],
     "06_localization": [
         ("the three nearest", "NEES", ".0f"),
         ("a better filter", "score", ".1f"),
         ("a better filter", "NEES", ".1f"),
     ],
-    "10_experiments": [
-        ("nothing", "score", ".2f"),
-        ("the reference", "score", ".2f"),
-        ("a better detector", "score", ".2f"),
-    ],
+    "10_experiments": [(name, "score", ".2f") for name in ("nothing", "the reference", "a better detector")],
     "12_beyond": [
         ("the paper's way, a fixed plan", "score", ".0f"),
         ("the reference", "score", ".0f"),
@@ -175,4 +153,5 @@ def test_the_text_quotes_the_board(lesson):
 def test_the_text_quotes_by_how_much_the_better_entry_beats_the_reference(lesson):
     own, better = rows(lesson)["the reference"], rows(lesson)["a better detector"]
     mean, low, high = margin(own.cases, better.cases)
-    assert f"{mean:.2f} (95 % interval {low:.2f} to {high:.2f})" in text_of_the_challenge(lesson)
+    said = rf"{mean:.2f}[^()]*\(95 % interval {low:.2f} to {high:.2f}\)"
+    assert re.search(said, text_of_the_challenge(lesson))

@@ -53,28 +53,29 @@ def test_the_best_row_has_at_most_25_hits():
     alt = reading.draw_possible(OWN["possible_hits"]).alt
     assert "For 13 there is none" in alt and "For the best setting there are 9 from 1 to 25" in alt
     assert "possible with 1, 4, 7 hits and so on, up to 238" in TEXT
-    possible = [
-        hits
-        for hits in range(241)
-        if abs(90 * 2.122 + 4 * hits - 3 * round(30 * 2.122 + 4 * hits / 3)) <= 0.045
-    ]
-    assert possible == list(range(1, 241, 3))
+    hits = np.arange(241)
+    possible = np.abs(90 * 2.122 + 4 * hits - 3 * np.round(30 * 2.122 + 4 * hits / 3)) <= 0.045
+    assert hits[possible].tolist() == list(range(1, 241, 3))
     assert "at most 25 hits" in TEXT and "With four thirds for a hit 10 means are possible" in alt
 
 
-def test_what_is_recorded_beside_the_lesson_is_what_the_benchmark_found():
+def test_what_is_recorded_beside_the_lesson_is_what_the_benchmark_found_in_the_papers_order():
     assert reading.recorded() == measured()["sets"]
     assert all(len(each["means"]) == len(SETTINGS) for each in reading.recorded().values())
+    means = reading.recorded_means("simulator, other rooms")
+    assert np.allclose(list(means.values()), reading.recorded()["simulator, other rooms"]["means"])
+    alt = reading.draw_sizes().alt
+    best = reading.recorded_means("160 x 120, the same pixels")[120, 5, 40]
+    assert f"160 x 120, the same pixels: {best:.2f}" in alt and "Nothing costs 2.03" in alt
 
 
-def test_agreement_is_said_with_an_interval_for_each_other_table():
-    alt = reading.draw_agreement(table()).alt
-    assert alt.count("95 % from") == 5 and "The paper's with simulator, other rooms 0.51" in alt
 
 
 def test_a_table_without_noise_agrees_with_itself_and_a_table_of_noise_does_not():
-    rng, order = np.random.default_rng(3), np.arange(27.0)
-    means = dict(zip(SETTINGS, order, strict=True))
+    alt = reading.draw_agreement(table()).alt
+    assert alt.count("95 % from") == 5 and "The paper's with simulator, other rooms 0.51" in alt
+    rng = np.random.default_rng(3)
+    means = dict(zip(SETTINGS, np.arange(27.0), strict=True))
     sure = {key: mean + rng.normal(0, 0.1, 30) for key, mean in means.items()}
     middle, low, high = reading.agreement(sure, {"itself": means})["itself"]
     assert low > 0.95 and low - 1e-9 <= middle <= high + 1e-9
@@ -92,15 +93,8 @@ def test_equal_means_are_equal_whatever_the_order_of_their_sum():
     assert reading.agreement(one, {"other": other})["other"][0] > 0.999
 
 
-def test_sizes_are_drawn_from_what_was_recorded():
-    alt = reading.draw_sizes().alt
-    best = reading.recorded_means("160 x 120, the same pixels")[120, 5, 40]
-    assert f"160 x 120, the same pixels: {best:.2f}" in alt and "Nothing costs 2.03" in alt
 
 
-def test_means_by_setting_are_in_the_papers_order():
-    means = reading.recorded_means("simulator, other rooms")
-    assert np.allclose(list(means.values()), reading.recorded()["simulator, other rooms"]["means"])
 
 
 def test_what_the_text_says_of_other_pictures_is_what_was_recorded():
@@ -164,16 +158,15 @@ def test_the_numbers_of_the_lessons_own_search_are_those_of_its_solution():
 def test_the_text_names_the_settings_of_the_panel_that_surely_cost_less_than_nothing():
     scenes = simulated_scenes()
 
-    def below(key):
-        costs = OWN["grid_search"](scenes, *([each] for each in key))[key] - nothing_costs(scenes)
-        return costs, OWN["bootstrap_interval"](costs, 0.95, np.random.default_rng(0))[1] < -0.03
+    def costs_of(*setting):
+        costs = OWN["grid_search"](scenes, *([each] for each in setting))[setting] - nothing_costs(scenes)
+        return costs.mean(), *OWN["bootstrap_interval"](costs, 0.95, np.random.default_rng(0))
 
-    lengths = [each for each in range(15, 85, 5) if below((120, 5, each))[1]]
-    gaps = [each for each in range(1, 16) if below((120, each, 40))[1]]
-    betas = [each for each in range(80, 185, 5) if below((each, 5, 40))[1]]
+    lengths = [each for each in range(15, 85, 5) if costs_of(120, 5, each)[2] < -0.03]
+    gaps = [each for each in range(1, 16) if costs_of(120, each, 40)[2] < -0.03]
+    betas = [each for each in range(80, 185, 5) if costs_of(each, 5, 40)[2] < -0.03]
     assert lengths == [45, 60, 65, 70, 75] and "| length | 45, 60, 65, 70, 75 px |" in TEXT
     assert gaps == [2, 8] and "| gap | 2, 8 px (" in TEXT
     assert betas == [140, 145, 155, 165, 180] and "| beta | 140, 145, 155, 165, 180 |" in TEXT
-    costs, _ = below((165, 5, 40))
-    low, high = OWN["bootstrap_interval"](costs, 0.95, np.random.default_rng(0))
-    assert f"(at 165 the difference is {costs.mean():.2f}, from about {low:.1f} to {high:.1f})" in TEXT
+    mean, low, high = costs_of(165, 5, 40)
+    assert f"(at 165 the difference is {mean:.2f}, from about {low:.1f} to {high:.1f})" in TEXT
