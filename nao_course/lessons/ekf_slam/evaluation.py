@@ -1,4 +1,4 @@
-"""Evaluate the run of a log: landmarks, also of a personal robot, NIS with its band, and the variance by the gain."""
+"""Evaluate the run of a log: landmarks, also of a personal robot, and NIS with its band."""
 
 from __future__ import annotations
 
@@ -10,26 +10,23 @@ from matplotlib.figure import Figure
 
 from nao_course._internal.personal_world import PersonalWorld
 from nao_course.geometry import FloatArray
-from nao_course.lessons.ekf_slam.ablations import Ablation
 from nao_course.lessons.ekf_slam.film import FilterFilm
 from nao_course.lessons.ekf_slam.homework_log import (
     OWN_SIGMAS,
     LogRun,
     homework_start,
-    innovation_and_covariance,
     landmark_errors,
     own_log,
     record_pentagon,
     run_log,
 )
 from nao_course.metrics import band
-from nao_course.plotting import STYLES, Drawing, Table, course_style, table
+from nao_course.plotting import Drawing, Table, course_style, table
 from nao_course.plotting.style import GREY, style_of
 from nao_course.sim.drives import Function, Sigmas
 
 BAND = "#e3e5e8"
 FACTORS = (1.0, 3.0, 10.0)
-SCALES = np.linspace(0.0, 2.0, 41)
 DRIVES = 5
 SMALLEST, LARGEST = 0.6, 1.8  # factors of the standard deviations of turns and bearings
 
@@ -130,85 +127,6 @@ def draw_nis(init_landmarks: Function, predict: Function, update: Function) -> D
         f"NIS over the steps of the log, on a logarithmic axis. Its mean is {means}; the band of a single step is "
         f"{low:.1f} to {high:.1f}.",
     )
-
-
-# --- the gain ---
-
-
-def traces_by_gain(film: FilterFilm) -> tuple[FloatArray, FloatArray]:
-    """Return summed variances (m^2) of position and landmarks after one update, for 41 gains from 0 to 2 K."""
-    state, P = film.run.predicted_states[0], film.run.predicted_covariances[0]
-    log, R = own_log(), OWN_SIGMAS.measurement_covariance
-    joint, measured = np.kron(np.eye(log.k), R), log.measurements[1]
-    steps = 1e-6 * np.eye(len(state))
-    given = (range(log.k), measured, R)
-    H = -np.column_stack(
-        [
-            innovation_and_covariance(state + step, P, *given)[0]
-            - innovation_and_covariance(state - step, P, *given)[0]
-            for step in steps
-        ]
-    ) / (2e-6)
-    K = np.linalg.solve(H @ P @ H.T + joint, H @ P).T
-    left = np.eye(len(state))
-    variances = [
-        np.diag((left - s * K @ H) @ P @ (left - s * K @ H).T + s**2 * K @ joint @ K.T) for s in SCALES
-    ]
-    return np.array([each[:2].sum() for each in variances]), np.array([each[3:].sum() for each in variances])
-
-
-@course_style()
-def draw_gain(film: FilterFilm) -> Drawing:
-    """Draw the variances after an update by the part of the Kalman gain that is used, and mark the student's update.
-
-    Parameters
-    ----------
-    film : FilterFilm
-        Film of the lesson's own log, by the student's functions.
-
-    Returns
-    -------
-    Drawing
-        Two curves with their minima at 1.
-    """
-    robot, landmarks = traces_by_gain(film)
-    after = np.diag(film.run.covariances[1])
-    yours = float(after[:2].sum()), float(after[3:].sum())
-    figure = Figure(figsize=(9.4, 3.7))
-    pairs = zip(figure.subplots(1, 2), (robot, landmarks), yours, ("robot", "landmarks"), strict=True)
-    for ax, curve, own, name in pairs:
-        ax.plot(SCALES, 1e4 * curve, color=GREY, lw=2)
-        ax.plot([1], [1e4 * own], STYLES["ekf"].marker, color=STYLES["ekf"].colour, ms=10, label="yours")
-        ax.axvline(1, color=GREY, lw=0.8, ls=":")
-        ax.set(
-            xlabel="factor by which K is multiplied",
-            ylabel="sum of variances after the update (cm²)",
-            title=f"Position of the {name}",
-        )
-        ax.set_ylim(0, None)
-        ax.legend()
-    return Drawing(
-        figure,
-        "Variances after the first update by the part of the Kalman gain that is used: two parabolas with "
-        f"their minima at 1. The robot's is {1e4 * robot[0]:.1f} square centimetres without a gain, "
-        f"{1e4 * robot.min():.1f} at best, {1e4 * robot[-1]:.1f} with twice the gain; yours is {1e4 * yours[0]:.1f}.",
-    )
-
-
-# --- few updates ---
-
-
-def turn_factor(init_landmarks: Function, predict: Function, update: Function, every: int = 5) -> float:
-    """Return the factor by which a tenfold sigma of the turn increases the predicted sigma, with few updates."""
-    log = own_log()
-    sigma_of_position = []
-    for factor in (1.0, 10.0):
-        sigmas = OWN_SIGMAS.scaled("turn", factor)
-        start = homework_start(log, init_landmarks, sigmas)
-        sigma_of_position.append(
-            Ablation("turn", factor, run_log(log, start, predict, update, sigmas, every)).position
-        )
-    return sigma_of_position[1] / sigma_of_position[0]
 
 
 # --- a personal robot ---

@@ -1,16 +1,8 @@
-"""Distances, NIS and the gain, as the lesson's text says them."""
+"""Distances and NIS, as the lesson's text says them."""
 
-import numpy as np
 import pytest
 
-from nao_course.lessons.ekf_slam.evaluation import (
-    distances_table,
-    draw_gain,
-    draw_nis,
-    first_lines,
-    mean_nis,
-    traces_by_gain,
-)
+from nao_course.lessons.ekf_slam.evaluation import distances_table, draw_nis, first_lines, mean_nis
 from nao_course.lessons.ekf_slam.film import record_film
 from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, homework_start, record_pentagon, run_log
 
@@ -34,16 +26,6 @@ def test_nis_is_twelve_and_a_hundredth_with_sigmas_ten_times_too_large(film_func
 def test_the_table_has_a_row_for_each_landmark_and_the_homeworks_distance_beside(film, own):
     words = repr(distances_table(film, own["evaluate_landmarks"])).splitlines()
     assert len(words) == 7 and "the homework's" in words[0]
-
-
-def test_the_kalman_gain_is_at_the_bottom_for_robot_and_landmarks_and_the_students_update_lies_there(film):
-    for curve in traces_by_gain(film):
-        assert int(np.argmin(curve)) == 20 and curve[0] == pytest.approx(curve[-1], rel=1e-6)
-    robot, landmarks = traces_by_gain(film)
-    after = np.diag(film.run.covariances[1])
-    assert robot.min() == pytest.approx(after[:2].sum(), rel=1e-6)
-    assert landmarks.min() == pytest.approx(after[3:].sum(), rel=1e-6)
-    assert f"yours is {1e4 * robot.min():.1f}." in draw_gain(film).alt
 
 
 def test_the_average_distance_of_one_drive_says_little(film, film_functions, own):
