@@ -8,18 +8,11 @@ from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.observation import Observation
 from nao_course.geometry import Pose
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.slam import Motion
-from tests.paths import SOLUTIONS
 
 TURN, KNOWN = Motion(0.2, 0.5), np.radians(1.0) ** 2
 # The robot has turned 23 degrees more than TURN.
 MORE = Observation((), np.zeros((0, 0)), direction=-0.5 - 0.4, direction_sigma=0.01)
-
-
-@pytest.fixture(scope="module")
-def ekf():
-    return load_solution(SOLUTIONS / "11_slam_on_the_field.ipynb")["EkfSlam"]
 
 
 @pytest.mark.parametrize(("factor", "wrong"), [(1.0, []), (2.0, []), (3.0, []), (1.0, [0.6, -0.7])])

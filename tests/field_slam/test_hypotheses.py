@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import wrap_quarter
-from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.hypotheses import MOST, Hypothesis, MultipleHypotheses, without
 from nao_course.field_slam.joint_update import JointUpdate, LineObservation
 from nao_course.field_slam.likelihood import (
@@ -23,9 +21,7 @@ from nao_course.field_slam.likelihood import (
 )
 from nao_course.field_slam.observation import observation
 from nao_course.geometry import Pose
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.slam import Measurement, Motion, range_and_bearing
-from tests.paths import SOLUTIONS
 
 START, CORNERS = Pose(0.0, 0.0, 0.0), ((2.0, -0.6), (2.0, 0.6), (3.0, 1.5), (3.0, -1.5))
 TWIN = (2.0, 0.95)  # a corner that is not on the map, near a corner of the map
@@ -44,14 +40,9 @@ def seen_from(pose: Pose, corners=CORNERS, compass=float("inf"), lines=()) -> Li
     )
 
 
-@pytest.fixture(scope="module")
-def ekf():
-    return load_solution(SOLUTIONS / "11_slam_on_the_field.ipynb")["EkfSlam"]
-
-
 @pytest.fixture
-def joint(ekf):
-    return JointUpdate(ekf(START, OdometryNoisePerMove(), 4.0, associate_jointly))
+def joint(jointly):
+    return JointUpdate(jointly(START))
 
 
 other = alone = joint  # a second filter like the first

@@ -5,9 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import BodyTilt, estimate_body_tilt, wrap_quarter
-from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import (
     INTERNAL,
     JointUpdate,
@@ -20,10 +18,8 @@ from nao_course.field_slam.known_shapes.circle import RADIUS, Circle, find_circl
 from nao_course.field_slam.lines import to_ground
 from nao_course.field_slam.observation import observation, tilted
 from nao_course.geometry import Pose, wrap_angle
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.sim import NAO_V4, Field
 from nao_course.slam import Measurement, Motion, range_and_bearing
-from tests.paths import SOLUTIONS
 
 VIEW = replace(NAO_V4.view("bottom", 0.0, float(np.radians(-31.0))), k1=0.0)
 SQUARE = BodyTilt(0.0, 0.0, 0.0, np.diag([1e-6, 1e-6, 1e-4]))
@@ -55,16 +51,9 @@ def exact(pose: Pose, sigma: float = 1e-3, lines=None, centre=True) -> LineObser
     )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def own():
-    return load_solution(SOLUTIONS / "11_slam_on_the_field.ipynb")
-
-
 @pytest.fixture
-def slam(own):
-    return lambda start: JointUpdate(
-        own["EkfSlam"](start, OdometryNoisePerMove(), 4.0, associate_jointly), factors=(1.0,)
-    )
+def slam(jointly):
+    return lambda start: JointUpdate(jointly(start), factors=(1.0,))
 
 
 @pytest.mark.parametrize("pose", [Pose(1.3, 0.1, np.pi), Pose(-1.5, -0.4, 0.3), Pose(0.9, 0.9, -2.3)])
@@ -224,13 +213,13 @@ def test_the_covariance_of_tilt_and_compass_has_the_right_sign():
         assert np.mean(told[:, axis] * told[:, 2]) == pytest.approx(stated, rel=0.5, abs=2e-5)
 
 
-def test_landmarks_alone_are_corrected_as_the_lessons_filter_does(own, slam):
+def test_landmarks_alone_are_corrected_as_the_lessons_filter_does(jointly, slam):
     pose = Pose(0.5, 0.2, 0.1)
     marks = [mark for mark in Field(2012).landmarks if mark.kind != "cross"][:5]
     seen = observation(
         [Measurement(*range_and_bearing(pose.as_array(), (mark.x, mark.y)), mark.kind) for mark in marks]
     )
-    lesson, mine = own["EkfSlam"](pose, OdometryNoisePerMove(), 4.0, associate_jointly), slam(pose)
+    lesson, mine = jointly(pose), slam(pose)
     for share in (1.0, 1.01, 1.02):
         part = observation([replace(one, range=one.range * share) for one in seen])
         for each in (lesson, mine):

@@ -5,9 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import QUARTER, wrap_quarter
-from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, LineObservation
 from nao_course.field_slam.kidnapping import recovery
 from nao_course.field_slam.kidnapping.grid import CELL, PoseGrid, compass_likelihood
@@ -17,10 +15,8 @@ from nao_course.field_slam.known_shapes.circle import Circle
 from nao_course.field_slam.observation import observation
 from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.geometry import Pose, wrap_angle
-from nao_course.instructor.authoring.plans import load_solution
 from nao_course.sim import Field
 from nao_course.slam import Measurement, Motion, range_and_bearing
-from tests.paths import SOLUTIONS
 
 PLACES = [(mark.x, mark.y, mark.detected_as) for mark in Field(2012).landmarks if mark.detected_as]
 # It looks the same after half a turn about the origin.
@@ -61,14 +57,9 @@ def off(slam, pose: Pose) -> float:
     return float(np.hypot(found.x - pose.x, found.y - pose.y))
 
 
-@pytest.fixture(scope="module")
-def own():
-    return load_solution(SOLUTIONS / "11_slam_on_the_field.ipynb")
-
-
 @pytest.fixture
-def joint(own):
-    return lambda start: JointUpdate(own["EkfSlam"](start, OdometryNoisePerMove(), 4.0, associate_jointly))
+def joint(jointly):
+    return lambda start: JointUpdate(jointly(start))
 
 
 @pytest.fixture
