@@ -57,48 +57,52 @@ def cell(
     metadata: dict[str, object] = {"nbgrader": grading} if grading else {}
     metadata |= {"nao_course": {"role": role}} if role else {}
     code = {"outputs": [], "execution_count": None} if kind == "code" else {}
-    return {
-        "cell_type": kind,
-        "id": f"c{abs(hash(source)) % 10**8}",
-        "metadata": metadata,
-        "source": source,
-        **code,
-    }
+    number = f"c{abs(hash(source)) % 10**8}"
+    return {"cell_type": kind, "id": number, "metadata": metadata, "source": source, **code}
 
 
 def notebook(functions: dict[str, str] | None = None, answer: str = "", extra: str = "") -> bytes:
     """The lesson with some functions; the others are right."""
-    cells = [cell("code", SETUP, role="setup")]
-    for name, source in (RIGHT | (functions or {})).items():
-        grading = {"schema_version": 3, "grade_id": name, "solution": True, "grade": False, "locked": False}
-        cells.append(cell("code", source, grading))
-    grading = {
-        "schema_version": 3,
-        "grade_id": "why",
-        "solution": True,
-        "grade": True,
-        "locked": False,
-        "points": 2,
-    }
-    cells.append(cell("markdown", answer, grading, "written"))
+    cells = solutions(SETUP, RIGHT | (functions or {}))
+    cells.append(cell("markdown", answer, grading("why", grade=True) | {"points": 2}, "written"))
     if extra:
         cells.append(cell("code", extra))
-    stamp = {"nao_course": {"lesson": LESSON, "version": "1"}}
+    return as_notebook(LESSON, cells)
+
+
+def grading(name: str, *, grade: bool = False) -> dict[str, object]:
+    """What nbgrader writes into a cell that a student fills in."""
+    return {"schema_version": 3, "grade_id": name, "solution": True, "grade": grade, "locked": False}
+
+
+def solutions(setup: str, functions: dict[str, str]) -> list[dict[str, object]]:
+    """The set-up cell, and a cell of each function."""
+    first = cell("code", setup, role="setup")
+    return [first, *(cell("code", source.strip(), grading(name)) for name, source in functions.items())]
+
+
+def as_notebook(lesson: str, cells: list[dict[str, object]]) -> bytes:
+    stamp = {"nao_course": {"lesson": lesson, "version": "1"}}
     return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": stamp, "cells": cells}).encode()
 
 
 def make_course(root: Path) -> Course:
     """Lay the course out in a folder."""
-    for folder in ("solutions/exercises", "notebooks"):
-        (root / folder).mkdir(parents=True)
-    (root / "course.toml").write_text('title = "Chain"\nversion = "1"\n')
-    (root / "solutions" / f"{LESSON}.md").write_text("# Chain\n")
-    (root / "solutions" / "exercises" / f"{LESSON}.py").write_text(DECLARATION)
-    (root / "notebooks" / f"{LESSON}.ipynb").write_bytes(notebook(BLANK))
-    (root / "solutions" / f"{LESSON}.ipynb").write_bytes(notebook())
-    course = load_course(root)
+    course = lay_out(root, LESSON, DECLARATION, notebook(), notebook(BLANK))
     stamp(course, LESSON)
     return course
+
+
+def lay_out(root: Path, lesson: str, declaration: str, solution: bytes, blank: bytes) -> Course:
+    """Write a course of one lesson, which is not stamped."""
+    for folder in ("solutions/exercises", "notebooks"):
+        (root / folder).mkdir(parents=True)
+    (root / "course.toml").write_text(f'title = "{lesson[3:].title()}"\nversion = "1"\n')
+    (root / "solutions" / f"{lesson}.md").write_text(f"# {lesson[3:].title()}\n")
+    (root / "solutions" / "exercises" / f"{lesson}.py").write_text(declaration)
+    (root / "notebooks" / f"{lesson}.ipynb").write_bytes(blank)
+    (root / "solutions" / f"{lesson}.ipynb").write_bytes(solution)
+    return load_course(root)
 
 
 def stamp(course: Course, lesson: str) -> None:

@@ -39,22 +39,12 @@ SOLUTION = [
 def write(path: Path, *cells: str | tuple[str, str]) -> Path:
     """Write a notebook of code cells: source, or (role, source)."""
     pairs = [("student", cell) if isinstance(cell, str) else cell for cell in cells]
-    notebook = {
-        "nbformat": 4,
-        "nbformat_minor": 5,
-        "metadata": {},
-        "cells": [
-            {
-                "id": f"c{number}",
-                "cell_type": "code",
-                "metadata": METADATA[role],
-                "source": source,
-                "outputs": [],
-                "execution_count": None,
-            }
-            for number, (role, source) in enumerate(pairs)
-        ],
-    }
+    code = {"cell_type": "code", "outputs": [], "execution_count": None}
+    cells = [
+        {"id": f"c{number}", "metadata": METADATA[role], "source": source, **code}
+        for number, (role, source) in enumerate(pairs)
+    ]
+    notebook = {"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}
     path.write_text(json.dumps(notebook), encoding="utf-8")
     return path
 

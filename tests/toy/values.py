@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 
 from nao_course.exercises import register
-from nao_course.instructor.authoring.course import Course, load_course
-from tests.toy.chain import cell
+from nao_course.instructor.authoring.course import Course
+from tests.toy import chain
 
 LESSON = "92_values"
 SETUP = """
@@ -120,21 +119,9 @@ def solves(args, kwargs, answer):
 
 def notebook(functions: dict[str, str] | None = None) -> bytes:
     """The lesson with some functions; the others are right."""
-    cells = [cell("code", SETUP, role="setup")]
-    for name, source in (RIGHT | (functions or {})).items():
-        grading = {"schema_version": 3, "grade_id": name, "solution": True, "grade": False, "locked": False}
-        cells.append(cell("code", source.strip(), grading))
-    stamp = {"nao_course": {"lesson": LESSON, "version": "1"}}
-    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": stamp, "cells": cells}).encode()
+    return chain.as_notebook(LESSON, chain.solutions(SETUP, RIGHT | (functions or {})))
 
 
 def make_course(root: Path) -> Course:
     """Lay the course out in a folder."""
-    for folder in ("solutions/exercises", "notebooks"):
-        (root / folder).mkdir(parents=True)
-    (root / "course.toml").write_text('title = "Values"\nversion = "1"\n')
-    (root / "solutions" / f"{LESSON}.md").write_text("# Values\n")
-    (root / "solutions" / "exercises" / f"{LESSON}.py").write_text(DECLARATION)
-    for folder in ("solutions", "notebooks"):
-        (root / folder / f"{LESSON}.ipynb").write_bytes(notebook())
-    return load_course(root)
+    return chain.lay_out(root, LESSON, DECLARATION, notebook(), notebook())

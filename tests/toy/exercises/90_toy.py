@@ -72,14 +72,5 @@ MEAN = Exercise(
     },
 )
 
-PLAN = LessonPlan(
-    [CLAMP, MEAN],
-    [
-        Question(
-            "why",
-            "Why clamp?",
-            {"Safety": "Yes: a joint has an end.", "Speed": "No: it costs time."},
-            "Safety",
-        )
-    ],
-)
+REPLIES = {"Safety": "Yes: a joint has an end.", "Speed": "No: it costs time."}
+PLAN = LessonPlan([CLAMP, MEAN], [Question("why", "Why clamp?", REPLIES, "Safety")])
