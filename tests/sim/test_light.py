@@ -55,9 +55,8 @@ def test_a_point_is_smeared_in_the_direction_in_which_it_moves_through_the_pictu
 
 def test_the_part_of_the_exposure_that_is_automatic_is_as_large_as_stated():
     dark = GREY * 0.3
-    means = [
-        develop(dark, Eye(Pose(), VIEW), replace(CLEAN, exposure=part), None).mean() for part in (0, 0.5, 1)
-    ]
+    parts = [replace(CLEAN, exposure=part) for part in (0, 0.5, 1)]
+    means = [develop(dark, Eye(Pose(), VIEW), part, None).mean() for part in parts]
     assert means[2] == pytest.approx(117, abs=2)
     assert means[1] == pytest.approx(np.sqrt(means[0] * means[2]), rel=0.02)
 

@@ -185,11 +185,15 @@ def test_what_is_measured_aside_does_not_change_the_drive():
     assert watched.walk(1.0) == quiet.walk(1.0) and Truth(watched).pose == Truth(quiet).pose
 
 
-def test_the_robot_stops_at_the_edge_of_the_carpet_and_its_odometry_does_not_notice():
+def test_the_robot_stops_at_the_edge_of_the_carpet_and_a_moved_field_takes_it_along():
     nao = SimulatedNao(**EXACT)
     nao.walk(9.0)
     assert Truth(nao).pose.x == pytest.approx(3.7)
     assert nao.odometry.x == 9.0
+    field = Field(pose=Pose(10, 5, 1.0))
+    nao = SimulatedNao(field, **EXACT)
+    assert Truth(nao).pose == field.pose
+    assert nao.take_picture().pixels.tobytes() == SimulatedNao(**EXACT).take_picture().pixels.tobytes()
 
 
 def test_a_picture_taken_while_walking_is_smeared_by_a_sway_about_all_three_axes(monkeypatch):
@@ -207,13 +211,6 @@ def test_a_picture_taken_while_walking_is_smeared_by_a_sway_about_all_three_axes
         nao.take_picture(size=(16, 12), walking=True)
     scale = nao.reality.motion
     assert np.std(sways, axis=0) == pytest.approx(scale * np.array([0.010, 0.015, 0.012]), rel=0.2)
-
-
-def test_a_moved_field_takes_its_robot_along():
-    field = Field(pose=Pose(10, 5, 1.0))
-    nao = SimulatedNao(field, **EXACT)
-    assert Truth(nao).pose == field.pose
-    assert nao.take_picture().pixels.tobytes() == SimulatedNao(**EXACT).take_picture().pixels.tobytes()
 
 
 @pytest.mark.parametrize(
