@@ -45,7 +45,7 @@ def as_in_a_cell(source, number=3, **more):
     return namespace
 
 
-def test_one_call_of_a_function_that_never_ends_is_stopped_with_its_line(monkeypatch):
+def test_a_demonstration_or_one_call_that_never_ends_is_stopped_with_its_line(monkeypatch):
     monkeypatch.setattr(trying, "SECONDS", 0.3)
     update = as_in_a_cell("def update(state):\n    while True:\n        state += 1")["update"]
     said = repr(try_out(as_in_a_cell("show = lambda: [update(0)]", 4, update=update)["show"]))
@@ -54,6 +54,9 @@ def test_one_call_of_a_function_that_never_ends_is_stopped_with_its_line(monkeyp
     )
     assert "Is there a loop that never ends?" in said
     assert said.endswith("Correct it, run its cell and its check, then run this cell again.")
+    monkeypatch.setattr(trying, "DISPLAY_SECONDS", 0.2)
+    said = repr(try_out(as_in_a_cell("def demonstrate():\n    while True:\n        pass")["demonstrate"]))
+    assert said.startswith("Time is up: this was not done after 0.2 s, and was stopped in line ")
 
 
 def test_a_demonstration_of_many_short_calls_may_take_its_time():
@@ -70,12 +73,6 @@ def test_a_demonstration_of_many_short_calls_may_take_its_time():
     assert looks == [*[False] * 7, True]
     assert watch.name == "short"
     assert try_out(lambda: watch(sys._getframe().f_back)) is False  # in try_out itself nothing is called yet
-
-
-def test_a_demonstration_that_never_ends_by_itself_is_stopped_at_last(monkeypatch):
-    monkeypatch.setattr(trying, "DISPLAY_SECONDS", 0.2)
-    said = repr(try_out(as_in_a_cell("def demonstrate():\n    while True:\n        pass")["demonstrate"]))
-    assert said.startswith("Time is up: this was not done after 0.2 s, and was stopped in line ")
 
 
 def test_an_unknown_name_comes_with_its_line_and_one_of_the_courses_with_its_import():
