@@ -60,20 +60,15 @@ class Result:
     notes: tuple[str, ...] = ()
 
     def show(self, console: Console) -> None:
-        """Print the tables and notes."""
+        """Print the tables and notes; a table that is wider than the terminal keeps its lines."""
         window = console.width
         for table in self.tables:
-            rows = [
-                [f"{cell:.2f}" if isinstance(cell, float) else str(cell) for cell in row]
-                for row in table.rows
-            ]
-            widths = _widths(list(zip(table.columns, *rows, strict=True)), window)
             shown = RichTable(title=table.title, title_justify="left", title_style="bold")
-            for i, (column, width) in enumerate(zip(table.columns, widths, strict=True)):
-                shown.add_column(column, justify="left" if i == 0 else "right", width=width)
-            for row in rows:
-                shown.add_row(*row)
-            console.width = max(window, sum(widths) + _borders(len(widths)))
+            for i, column in enumerate(table.columns):
+                shown.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
+            for row in table.rows:
+                shown.add_row(*(f"{cell:.2f}" if isinstance(cell, float) else str(cell) for cell in row))
+            console.width = 10_000
             console.print(shown)
             console.width = window
         for note in self.notes:
@@ -83,7 +78,10 @@ class Result:
         """Write the values to ``folder/name.json``, floats rounded to what was measured."""
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"{self.name}.json"
-        path.write_text(json.dumps(_rounded(self.values), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        path.write_text(
+            json.dumps(_rounded(self.values, lambda x: round(x, 4)), indent=2, allow_nan=False) + "\n",
+            encoding="utf-8",
+        )
         return path
 
 
@@ -110,11 +108,16 @@ def _on_one_core() -> None:
 
 def digits(value: Any, count: int = 3) -> Any:
     """Round every float in a JSON value to some significant digits."""
+    return _rounded(value, lambda x: float(f"{x:.{count}g}"))
+
+
+def _rounded(value: Any, each: Callable[[float], float]) -> Any:
+    """Round every float in a JSON value."""
     if isinstance(value, dict):
-        return {key: digits(each, count) for key, each in value.items()}
+        return {str(key): _rounded(item, each) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [digits(each, count) for each in value]
-    return float(f"{value:.{count}g}") if isinstance(value, float) else value
+        return [_rounded(item, each) for item in value]
+    return each(float(value)) if isinstance(value, float) else value
 
 
 def write_json(path: Path, value: Any, indent: int | None = None) -> None:
@@ -137,27 +140,3 @@ def processor() -> str:
     info = Path("/proc/cpuinfo")
     lines = info.read_text().splitlines() if info.exists() else []
     return next((line.split(": ")[1] for line in lines if line.startswith("model name")), platform.machine())
-
-
-def _borders(columns: int) -> int:
-    """Return the width of what stands between and beside the columns: a line, and a space on both of its sides."""
-    return 3 * columns + 1
-
-
-def _widths(columns: list[tuple[str, ...]], window: int) -> list[int]:
-    """Return the columns' widths so that a table fits into a window, if no word or number has to be broken for it."""
-    least = [max((len(word) for cell in cells for word in cell.split()), default=1) for cells in columns]
-    widths = [max(map(len, cells)) for cells in columns]
-    while sum(widths) + _borders(len(widths)) > window and widths != least:
-        widest = max((i for i, width in enumerate(widths) if width > least[i]), key=lambda i: widths[i])
-        widths[widest] -= 1
-    return widths
-
-
-def _rounded(value: Any) -> Any:
-    """Round every float in a JSON value to four decimals."""
-    if isinstance(value, dict):
-        return {str(key): _rounded(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_rounded(item) for item in value]
-    return round(float(value), 4) if isinstance(value, float) else value

@@ -9,7 +9,6 @@ are also there at 1280 x 960, on no other picture.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import cv2
@@ -17,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.challenges.pictures import check_picture
+from nao_course.field_slam.lines import _cross, _detector, _values_at, _without_duplicates
 from nao_course.geometry import FloatArray
 
 Pixels = npt.NDArray[np.uint8]
@@ -64,14 +64,7 @@ def find_corners_better(picture: npt.ArrayLike) -> FloatArray:
     ends, width = straight_lines(line_pieces(planes), scale)
     points, strength = crossings(ends, width, planes.top, columns)
     inside = ((points >= 0) & (points <= (columns - 1, rows - 1))).all(axis=1)
-    kept: list[FloatArray] = []
-    for point in points[inside][np.argsort(-strength[inside], kind="stable")]:
-        if all(np.hypot(*(point - other)) > DOUBLES * scale for other in kept):
-            kept.append(point)
-    return np.array(kept).reshape(-1, 2)
-
-
-# --- the carpet ---
+    return _without_duplicates(points[inside], strength[inside], DOUBLES * scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +107,6 @@ def take_apart(picture: Pixels) -> Planes | None:
     return Planes(cv2.extractChannel(hls, 1), chroma, carpet)
 
 
-# --- pieces of lines ---
-
-
 @dataclass(frozen=True, eq=False)
 class Pieces:
     """Middles of pieces of lines."""
@@ -129,11 +119,6 @@ class Pieces:
     def where(self, wanted: npt.NDArray[Any]) -> Pieces:
         """Return the pieces that a mask or indices select."""
         return Pieces(self.middles[wanted], self.good[wanted], self.width[wanted], self.edges[wanted])
-
-
-@cache
-def _detector() -> Any:
-    return cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD)
 
 
 def line_pieces(planes: Planes) -> Pieces:
@@ -173,9 +158,7 @@ def _edges(lightness: Pixels, first_row: int, shortest: float) -> FloatArray:
 
 def _look_up(plane: Pixels, points: FloatArray) -> npt.NDArray[np.int64]:
     """Return the values (...) of a plane (H, W) of bytes at the pixels nearest to points (..., 2), clipped."""
-    columns, rows = np.moveaxis(np.rint(points).astype(np.intp), -1, 0)
-    inside = np.clip(rows, 0, plane.shape[0] - 1), np.clip(columns, 0, plane.shape[1] - 1)
-    return plane[inside].astype(np.int64)
+    return _values_at(plane, points).astype(np.int64)
 
 
 def _towards_light(planes: Planes, found: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -204,13 +187,9 @@ def _across(
     offset = -margin + np.linspace(0.0, 1.0, STEPS) * (most[..., None] + 2 * margin)  # (N, M, STEPS)
     where = points[..., None, :] + offset[..., None] * normal[..., None, :]
     u, v = np.moveaxis(where.reshape(n, m * STEPS, 2).astype(np.float32), -1, 0)
-    read = cv2.remap(
-        planes.lightness.astype(np.float32),
-        np.ascontiguousarray(u),
-        np.ascontiguousarray(v),
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
+    where_u, where_v = np.ascontiguousarray(u), np.ascontiguousarray(v)
+    light = planes.lightness.astype(np.float32)
+    read = cv2.remap(light, where_u, where_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     profile = np.asarray(read, dtype=float).reshape(n, m, STEPS)
     carpet = np.min(profile[..., :4], axis=-1)
     peak = np.max(np.where(offset <= most[..., None], profile, 0.0), axis=-1)
@@ -230,9 +209,6 @@ def _crossing(over: FloatArray, offset: FloatArray, at: npt.NDArray[np.intp]) ->
     end, start = (np.take_along_axis(offset, (at - k)[..., None], axis=-1)[..., 0] for k in (0, 1))
     share = before / np.where(before == after, 1.0, before - after)
     return np.asarray(start + np.clip(share, 0.0, 1.0) * (end - start))
-
-
-# --- lines ---
 
 
 def straight_lines(pieces: Pieces, scale: float) -> tuple[FloatArray, FloatArray]:
@@ -299,9 +275,6 @@ def _bend(along: FloatArray, beside: FloatArray) -> float:
     return float(abs(square @ beside) / max(square @ square, 1e-9))
 
 
-# --- corners ---
-
-
 def crossings(ends: FloatArray, width: FloatArray, top: float, columns: int) -> tuple[FloatArray, FloatArray]:
     """Return points (K, 2) where two lines meet near their ends, with no four arms, and the shorter line's length (K,).
 
@@ -327,8 +300,3 @@ def crossings(ends: FloatArray, width: FloatArray, top: float, columns: int) -> 
         arms.append(np.array([along >= ARM * scale, length[k] - along >= ARM * scale]))
     met &= arms[0].any(axis=0) & arms[1].any(axis=0) & ~(arms[0] & arms[1]).all(axis=0)
     return points[met], np.minimum(length[i], length[j])[met]
-
-
-def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Return the cross products (N,) of vectors (N, 2)."""
-    return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])

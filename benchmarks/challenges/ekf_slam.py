@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from scipy.linalg import block_diag
+from scipy.optimize import least_squares
 
 from benchmarks import solution
 from nao_course.challenges.beliefs import odometry_belief
@@ -16,21 +17,7 @@ from nao_course.slam import Motion
 
 Array = npt.NDArray[Any]
 Belief = tuple[Array, Array]
-
-ITERATIONS = 15
-START_DOUBT = 1e-9  # m, rad: the first pose is the origin
-
-
-def _expected(pose: Array, landmark: Array) -> Array:
-    dx, dy = landmark - pose[:2]
-    return np.array([np.arctan2(dy, dx) - pose[2], np.hypot(dx, dy)])
-
-
-def _look_slopes(pose: Array, landmark: Array) -> tuple[Array, Array]:
-    dx, dy = landmark - pose[:2]
-    r = np.hypot(dx, dy)
-    by_landmark = np.array([[-dy / r**2, dx / r**2], [dx / r, dy / r]])
-    return np.column_stack([-by_landmark, [-1.0, 0.0]]), by_landmark
+STEP = 1e-6  # of the unknowns, for derivatives
 
 
 def odometry(log: list[Any]) -> Belief:
@@ -76,66 +63,37 @@ def _filter(joined: bool) -> Callable[[list[Any]], Belief]:
 def better(log: list[Any]) -> Belief:
     """Estimate all poses and landmarks at once by repeated linearisation, and return the last pose."""
     state, _, names, followed = _followed(log)
-    poses, landmarks, known = (
-        np.array(followed),
-        state[3:].reshape(-1, 2),
-        {n: k for k, n in enumerate(names)},
-    )
-    for _ in range(ITERATIONS):
-        H, b = _normal_equations(log, poses, landmarks, known)
-        shift = np.linalg.solve(H, b)
-        poses = poses + shift[: poses.size].reshape(-1, 3)
-        landmarks = landmarks + shift[poses.size :].reshape(-1, 2)
-        if np.abs(shift).max() < 1e-8:
-            break
-    H, _ = _normal_equations(log, poses, landmarks, known)
-    last = slice(poses.size - 3, poses.size)
-    columns = np.zeros((len(H), 3))
-    columns[last] = np.eye(3)
-    covariance = np.linalg.solve(H, columns)[last]
-    pose = poses[-1].copy()
-    pose[2] = wrap_angle(pose[2])
-    return pose, (covariance + covariance.T) / 2
+    moves = np.array([control for control, *_ in log[1:]])
+    to_sigmas = [np.linalg.inv(np.linalg.cholesky(Q)) for _, Q, *_ in log[1:]]
+    pose = np.repeat(np.arange(len(log)), [len(numbers) for _, _, numbers, *_ in log])
+    landmark = [names.index(number) for _, _, numbers, *_ in log for number in numbers]
+    seen = np.concatenate([measurements.reshape(-1, 2) for *_, measurements, _ in log])
+    roots = np.array([np.linalg.inv(np.linalg.cholesky(R)) for *_, R in log])[pose]
 
+    def residuals(x: Array) -> Array:
+        """Return all residuals (..., M) of unknowns (..., N), in standard deviations; the first pose is the origin."""
+        poses = np.pad(x[..., : 3 * len(moves)], [*[(0, 0)] * (x.ndim - 1), (3, 0)]).reshape(
+            *x.shape[:-1], -1, 3
+        )
+        landmarks = x[..., 3 * len(moves) :].reshape(*x.shape[:-1], -1, 2)
+        dx, dy, turn = np.moveaxis(np.diff(poses, axis=-2), -1, 0)
+        c, s = np.cos(poses[..., :-1, 2]), np.sin(poses[..., :-1, 2])
+        along, across = c * dx + s * dy - moves[:, 0], c * dy - s * dx
+        step = np.stack([along, across, wrap_angle(turn - moves[:, 1])], axis=-1)
+        dx, dy = np.moveaxis(landmarks[..., landmark, :] - poses[..., pose, :2], -1, 0)
+        bearing = wrap_angle(seen[:, 0] - np.arctan2(dy, dx) + poses[..., pose, 2])
+        off = np.stack([bearing, seen[:, 1] - np.hypot(dx, dy)], axis=-1)
+        weighted = np.einsum("nij,...nj->...ni", to_sigmas, step), np.einsum("nij,...nj->...ni", roots, off)
+        return np.concatenate([each.reshape(*x.shape[:-1], -1) for each in weighted], axis=-1)
 
-def _normal_equations(
-    log: list[Any], poses: Array, landmarks: Array, known: dict[int, int]
-) -> tuple[Array, Array]:
-    size = poses.size + landmarks.size
-    H, b = np.zeros((size, size)), np.zeros(size)
+    def jacobian(x: Array) -> Array:
+        return (residuals(x + STEP * np.eye(len(x))) - residuals(x)).T / STEP
 
-    def add(columns: Array, slopes: Array, residual: Array, weight: Array) -> None:
-        H[np.ix_(columns, columns)] += slopes.T @ weight @ slopes
-        b[columns] += slopes.T @ weight @ residual
-
-    first = np.arange(3)
-    add(first, np.eye(3), -poses[0], np.eye(3) / START_DOUBT**2)
-    for n, (control, Q, numbers, measurements, R) in enumerate(log):
-        here = np.arange(3 * n, 3 * n + 3)
-        if n:
-            before = poses[n - 1]
-            c, s = np.cos(before[2]), np.sin(before[2])
-            turn = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-            off = poses[n] - before
-            off[2] = wrap_angle(off[2] - control[1])
-            residual = turn @ off - (control[0], 0.0, 0.0)
-            by_before = -turn.copy()
-            by_before[:2, 2] = np.array([[-s, c], [-c, -s]]) @ off[:2]
-            slopes = np.column_stack([by_before, turn])
-            add(np.append(here - 3, here), -slopes, residual, np.linalg.inv(Q))
-        weight = np.linalg.inv(R)
-        for number, measured in zip(numbers, measurements.reshape(-1, 2), strict=True):
-            i = known[number]
-            residual = measured - _expected(poses[n], landmarks[i])
-            residual[0] = wrap_angle(residual[0])
-            there = poses.size + 2 * i + np.arange(2)
-            add(
-                np.append(here, there),
-                np.column_stack(_look_slopes(poses[n], landmarks[i])),
-                residual,
-                weight,
-            )
-    return H, b
+    x = np.concatenate([np.ravel(followed[1:]), state[3:]])
+    found = least_squares(residuals, x, jacobian, x_scale="jac")
+    last = slice(3 * len(moves) - 3, 3 * len(moves))
+    x, y, heading = found.x[last]
+    return np.array([x, y, wrap_angle(heading)]), np.linalg.inv(found.jac.T @ found.jac)[last, last]
 
 
 EKF_ENTRIES = {

@@ -9,17 +9,12 @@ import numpy.typing as npt
 
 from benchmarks import solution
 from nao_course.geometry import wrap_angle
+from nao_course.slam import range_and_bearing
 
 Array = npt.NDArray[np.float64]
 BEARING, RANGE = float(np.radians(1.5)), 0.05  # as the robot's sensors have them: rad, part of the range
-SAMPLES = 64  # poses by which a look is judged before it is taken
 ITERATIONS = 8
-
-
-def _expected(pose: Array, landmark: Array) -> Array:
-    away = landmark - pose[..., :2]
-    bearing = wrap_angle(np.arctan2(away[..., 1], away[..., 0]) - pose[..., 2])
-    return np.stack([bearing, np.hypot(away[..., 0], away[..., 1])], axis=-1)
+SAMPLES = 64  # poses by which a look is judged before it is taken
 
 
 def _jacobian(pose: Array, landmark: Array) -> Array:
@@ -52,7 +47,7 @@ def greedy(pose: Array, covariance: Array, landmarks: Array, sensor: Any) -> Any
     for _ in range(3):
         left = []
         for landmark in landmarks:
-            expected = _expected(pose, landmark)
+            expected = range_and_bearing(pose, landmark[None])[0]
             left.append(np.linalg.det(localize(pose, covariance, expected, landmark, _noise(expected[1]))[1]))
         number = int(np.argmin(left))
         measured, noise = sensor.measure(number)
@@ -85,38 +80,27 @@ def _gain(samples: Array, covariance: Array, landmark: Array) -> float:
 
 def _fit(prior: Array, information: Array, taken: list[tuple[Array, Array, Array]]) -> tuple[Array, Array]:
     """Return the most probable pose after all measurements, by Gauss-Newton from several starts, and its covariance."""
-    fits = [
-        _descend(prior + np.array([0.0, 0.0, turn]), prior, information, taken) for turn in (0.0, 0.5, -0.5)
-    ]
-    _, pose, total = min(fits, key=lambda fit: fit[0])
-    pose[2] = wrap_angle(pose[2])
-    return pose, np.linalg.inv(total)
+    root, fits = np.linalg.cholesky(information).T, []
+    weighted = [(*each, np.linalg.inv(np.linalg.cholesky(each[2]))) for each in taken]
 
+    def linearised(pose: Array) -> tuple[Array, Array]:
+        rows, residuals = [root], [root @ (pose - prior)]
+        for landmark, measured, _, weight in weighted:
+            off = range_and_bearing(pose, landmark[None])[0] - measured
+            off[0] = wrap_angle(off[0])
+            rows.append(weight @ _jacobian(pose, landmark))
+            residuals.append(weight @ off)
+        return np.concatenate(rows), np.concatenate(residuals)
 
-def _descend(
-    start: Array, prior: Array, information: Array, taken: list[tuple[Array, Array, Array]]
-) -> tuple[float, Array, Array]:
-    pose = start.copy()
-    for _ in range(ITERATIONS):
-        total, pull, cost = _normal_equations(pose, prior, information, taken)
-        pose = pose + np.linalg.solve(total, pull)
-    total, _, cost = _normal_equations(pose, prior, information, taken)
-    return cost, pose, total
-
-
-def _normal_equations(
-    pose: Array, prior: Array, information: Array, taken: list[tuple[Array, Array, Array]]
-) -> tuple[Array, Array, float]:
-    off = prior - pose
-    total, pull, cost = information.copy(), information @ off, float(off @ information @ off)
-    for landmark, measured, noise in taken:
-        surprise = measured - _expected(pose, landmark)
-        surprise[0] = wrap_angle(surprise[0])
-        slopes, weight = _jacobian(pose, landmark), np.linalg.inv(noise)
-        total = total + slopes.T @ weight @ slopes
-        pull = pull + slopes.T @ weight @ surprise
-        cost += float(surprise @ weight @ surprise)
-    return total, pull, cost
+    for turn in (0.0, 0.5, -0.5):
+        pose = prior + (0.0, 0.0, turn)
+        for _ in range(ITERATIONS):
+            J, off = linearised(pose)
+            pose = pose - np.linalg.solve(J.T @ J, J.T @ off)
+        J, off = linearised(pose)
+        fits.append((off @ off, pose, np.linalg.inv(J.T @ J)))
+    _, (x, y, heading), covariance = min(fits, key=lambda fit: fit[0])
+    return np.array([x, y, wrap_angle(heading)]), covariance
 
 
 LOOK_ENTRIES = {

@@ -35,12 +35,8 @@ def _filter(robot: Any) -> NamedEkf:
     """Return lesson 07's filter at a robot's start, after the first measurements."""
     ekf = solution("07")
     slam = NamedEkf(robot.start, *(ekf[name] for name in ("predict", "update_landmarks", "add_landmark")))
-    _look(robot, slam)
-    return slam
-
-
-def _look(robot: Any, slam: NamedEkf) -> None:
     slam.observe(*robot.look())
+    return slam
 
 
 def _said(slam: NamedEkf) -> Belief:
@@ -62,7 +58,7 @@ def _by(choose: Callable[..., int]) -> Callable[[Any], Belief]:
             option = offered[choose(slam.state.copy(), slam.covariance.copy(), offered)]
             robot.move(option)
             slam.move(option.control, option.control_covariance)
-            _look(robot, slam)
+            slam.observe(*robot.look())
         return _said(slam)
 
     return entry
@@ -70,9 +66,6 @@ def _by(choose: Callable[..., int]) -> Callable[[Any], Belief]:
 
 def _lessons_choice(state: Array, covariance: Array, offered: Any) -> int:
     return int(solution("12")["choose_move"](state, covariance, offered))
-
-
-# --- a better one ---
 
 
 def _cells() -> Array:
@@ -89,7 +82,7 @@ def better(robot: Any) -> Belief:
     while robot.moves_left:
         control = _best(ekf, slam, cells, unseen)
         slam.move(np.array(control), robot.move(control))
-        _look(robot, slam)
+        slam.observe(*robot.look())
         unseen &= ~AHEAD.sees(slam.state[:3], cells)
     return _said(slam)
 
@@ -135,14 +128,12 @@ def _certainty(ekf: Mapping[str, Any], slam: NamedEkf, distance: float, turn: fl
     """Return the bits of the map after a move and new measurements, as predicted by the filter."""
     noise = ODOMETRY.covariance(Motion(distance, turn))
     belief = ekf["predict"](slam.state, slam.covariance, np.array([distance, turn]), noise, len(slam.known))
-    seen = (
-        np.flatnonzero(AHEAD.sees(after, slam.state[3:].reshape(-1, 2))) if slam.known else np.zeros(0, int)
-    )
+    landmarks = slam.state[3:].reshape(-1, 2)
+    seen = np.flatnonzero(AHEAD.sees(after, landmarks)) if slam.known else np.zeros(0, int)
     if len(seen):
-        expected = range_and_bearing(after, slam.state[3:].reshape(-1, 2)[seen])
-        belief = ekf["update_landmarks"](
-            *belief, seen.tolist(), expected.ravel(), SENSOR.covariances(expected)
-        )
+        expected = range_and_bearing(after, landmarks[seen])
+        noise = SENSOR.covariances(expected)
+        belief = ekf["update_landmarks"](*belief, seen.tolist(), expected.ravel(), noise)
     covariance = belief[1][3:, 3:] + 1e-9 * np.eye(len(belief[0]) - 3)
     return -0.5 * float(np.linalg.slogdet(covariance)[1]) / float(np.log(2))
 

@@ -1,16 +1,13 @@
-"""How large the films and the live map's messages are, and how long the kernel takes for a message."""
+"""How large the films and the live map's messages are."""
 
 from __future__ import annotations
 
-import gzip
 import json
-import time
-from typing import Any
 
 import numpy as np
 
 from benchmarks import Result, Table
-from nao_course.films import recorded_film, recorded_names, script, style_sheet
+from nao_course.films import recorded_names
 from nao_course.films.recorded import FOLDER, LARGEST
 from nao_course.geometry import Pose
 from nao_course.sim import Field
@@ -19,20 +16,6 @@ from nao_course.widgets.vector_map import MapContents, VectorMap
 
 STEPS, LANDMARKS = 200, 12
 SOURCES = {"truth": "truth", "odometry": "odometry", "ekf": "your EKF"}
-
-
-def film_sizes() -> dict[str, dict[str, int]]:
-    """Return the frames, the bytes and the compressed bytes of every recorded film."""
-    sizes = {}
-    for name in recorded_names():
-        content = (FOLDER / f"{name}.json").read_bytes()
-        frames = len(recorded_film(name)["captions"])
-        sizes[name] = {
-            "frames": frames,
-            "bytes": len(content),
-            "gzip_bytes": len(gzip.compress(content, 6, mtime=0)),
-        }
-    return sizes
 
 
 def contents(count: int) -> MapContents:
@@ -45,28 +28,15 @@ def contents(count: int) -> MapContents:
     return MapContents(dict.fromkeys(SOURCES, path), estimate, seen, "ekf", view=(0.0, 0.5))
 
 
-def live_map() -> dict[str, float]:
-    """Return the kernel's median time, ms, and the median bytes of an update of the live map."""
+def main() -> Result:
+    """Measure the films and the live map."""
+    films = {name: {"bytes": (FOLDER / f"{name}.json").stat().st_size} for name in recorded_names()}
     sizes: list[int] = []
     live = VectorMap(Field(), SOURCES)
     live.widget.send = lambda message: sizes.append(len(json.dumps(message)))
-    times = []
-    for each in [contents(count) for count in range(1, STEPS + 1)]:
-        began = time.perf_counter()
-        live.update(each)
-        times.append(time.perf_counter() - began)
-    return {"ms": 1000 * float(np.median(times[1:])), "bytes": float(np.median(sizes[1:]))}
-
-
-def main() -> Result:
-    """Measure the films and the live map."""
-    sizes, update = film_sizes(), live_map()
-    code = {"player": len(script("map", "player").encode()), "live": len(script("map", "live").encode())}
-    code["style"] = len(style_sheet().encode())
-    notes = (
-        f"The script has {code['player']:,} bytes for films and {code['live']:,} for the live map.",
-        f"An update of the live map, median of {STEPS} steps: {update['ms']:.2f} ms in the kernel, "
-        f"{update['bytes']:,.0f} bytes.",
-    )
-    values: dict[str, Any] = {"films": sizes, "live_map_update": update, "script_bytes": code}
-    return Result("films", values, (Table.of(f"Films, at most {LARGEST:,} bytes", sizes),), notes)
+    for count in range(1, STEPS + 1):
+        live.update(contents(count))
+    update = float(np.median(sizes[1:]))
+    values = {"films": films, "live_map_update_bytes": update}
+    note = f"An update of the live map, median of {STEPS} steps: {update:,.0f} bytes."
+    return Result("films", values, (Table.of(f"Films, at most {LARGEST:,} bytes", films),), (note,))

@@ -22,10 +22,11 @@ from benchmarks import ROOT, Result, Table
 from nao_course.cli import DEFAULT_JOBS
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.autograding.assignment import lessons_used
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult
 
-LESSON = "01_hsl_filtering"
+LESSON, LATE = "01_hsl_filtering", "11_slam_on_the_field"
 CLASS = 200
 KINDS = ("right", "half right", "wrong", "right", "blank")  # in turn: a fifth each, the right ones two
 WRONG = {  # what students write: a mistake of the catalogue each
@@ -68,19 +69,14 @@ def _answer(name: str, stub: str, answers: dict[str, str], kind: str, place: int
 
 def lay_out(folder: Path, many: int) -> None:
     """Write the submissions of a class, and a secret beside them."""
-    write_secret(folder.parent)
+    folder.parent.mkdir(exist_ok=True)
+    secret = folder.parent / "secret"
+    secret.write_text("any number of letters, the same each time", encoding="utf-8")
+    secret.chmod(0o600)
     for number, (_, text) in enumerate(islice(notebooks(), many)):
         path = folder / f"student{number:05d}" / f"{LESSON}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(text, encoding="utf-8")
-
-
-def write_secret(folder: Path) -> None:
-    """Write the secret that the hidden cases are drawn from, beside a class."""
-    folder.mkdir(exist_ok=True)
-    secret = folder / "secret"
-    secret.write_text("any number of letters, the same each time", encoding="utf-8")
-    secret.chmod(0o600)
 
 
 def grade(
@@ -138,12 +134,36 @@ def own_mb(pid: int) -> float:
     return int(match[1]) / 1024 if match else 0.0
 
 
+def large(folder: Path) -> Iterator[tuple[str, Path, str]]:
+    """Write large notebooks: six of lesson 01 with 49.5 MB, and lesson 11 with all that it uses, 48 MB each."""
+    course = load_course(ROOT)
+    uses = (*lessons_used(course, LATE), LATE)
+    texts = [(course.solutions / f"{lesson}.ipynb").read_text(encoding="utf-8") for lesson in uses]
+    class_of = [(f"student{number}", LESSON, text) for number, (_, text) in enumerate(islice(notebooks(), 6))]
+    late = [("ada", lesson, text) for lesson, text in zip(uses, texts, strict=True)]
+    for name, lesson, made, megabytes in (
+        ("six of 49.5 MB", LESSON, class_of, 49.5),
+        ("lesson 11, eight of 48 MB", LATE, late, 48.0),
+    ):
+        for student, each, text in made:
+            notebook = nbformat.reads(text, as_version=4)
+            output = nbformat.v4.new_output("stream", name="stdout", text="")
+            next(cell for cell in notebook.cells if cell.cell_type == "code").outputs = [output]
+            output.text = "x" * (int(2**20 * megabytes) - len(nbformat.writes(notebook).encode()))
+            path = folder / lesson / student / f"{each}.ipynb"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(nbformat.writes(notebook), encoding="utf-8")
+        yield name, folder / lesson, lesson.partition("_")[0]
+
+
 def main() -> Result:
-    """Grade a class of 200 with one job, with two and with the default number."""
+    """Grade a class of 200 with one job, with two and with the default number, and large notebooks with two."""
     with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as name:
         folder, found = Path(name), {}
         lay_out(folder / "class", CLASS)
         for jobs in sorted({1, 2, DEFAULT_JOBS}):
             found[f"{jobs} jobs"], results = grade(folder / "class", folder / f"grades{jobs}", jobs)
+        for title, made, number in large(folder / "large"):
+            found[title], _ = grade(made, folder / f"grades_{number}", 2, "--lesson", number)
     title = f"lesson 01, a fifth of it blank; sandbox level {results[0].level}; {os.cpu_count()} cores"
     return Result("grading", found, (Table.of(title, found),))

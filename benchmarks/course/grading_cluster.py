@@ -90,74 +90,49 @@ def keep(results: Sequence[SubmissionResult], folder: Path) -> float:
 
 
 def main() -> Result:
-    """Grade a class in three ways, let workers answer at once, and fill a journal with 10,000 results."""
+    """Grade a class in this process and with Dask, let workers answer at once, and fill a journal."""
     with tempfile.TemporaryDirectory(prefix="nao_course_bench_") as name, ExitStack() as stack:
-        folder, course, load = Path(name), load_course(ROOT), os.getloadavg()[0]
+        folder, course = Path(name), load_course(ROOT)
         lay_out(folder / "class", FIRST + CLASS)
         found = gather(folder / "class", folder, [LESSON]).submissions
         sessions = {
             title: stack.enter_context(open_session(course, [LESSON], SECRET, machines))
             for title, machines in MACHINES.items()
         }
+        rounds: dict[str, list[dict[str, float]]] = {title: [] for title in MACHINES}
         for title, session in sessions.items():
             grade(session, found[:FIRST], folder / "first" / title)
-        rounds: dict[str, list[dict[str, float]]] = {title: [] for title in MACHINES}
         for number in range(ROUNDS):
             for title, session in sessions.items():
                 rounds[title].append(grade(session, found[FIRST:], folder / str(number) / title))
         with patch.object(dispatch, "grade_parcel", answer_at_once):
             many = [replace(found[i % len(found)], student=f"s{i}") for i in range(FIRST + AT_ONCE)]
-            grade(sessions["2 workers with 1 thread"], many[:FIRST], folder / "first answers")
-            at_once = grade(sessions["2 workers with 1 thread"], many[FIRST:], folder / "answers")
-        results = [read(folder / "0" / title) for title in MACHINES]
-        kept = keep(results[0], folder / "journal")
+            grade(session, many[:FIRST], folder / "first answers")
+            at_once = grade(session, many[FIRST:], folder / "answers")
+        with Journal(folder / "0" / title) as journal:
+            kept = keep(journal.results(), folder / "journal")
     runs = {title: min(each, key=lambda run: run["seconds"]) for title, each in rounds.items()}
+    own, every = "grader's processor ms a submission", "processor ms a submission"
     local, one, _ = runs.values()
-    overhead = one["processor ms a submission"] - local["processor ms a submission"]
-    by_one = 60_000 / (one["processor ms a submission"] - one["grader's processor ms a submission"])
-    by_workers = MANY_WORKERS * by_one
-    by_grader = 60_000 / at_once["grader's processor ms a submission"]
-    calculated = min(by_workers, by_grader, kept)
+    by_one, by_grader = 60_000 / (one[every] - one[own]), 60_000 / at_once[own]
     values: dict[str, Any] = {
         "submissions": CLASS,
-        "rounds": ROUNDS,
         "cores": os.cpu_count(),
-        "load average before": load,
         "fastest rounds": runs,
-        "seconds of all rounds": {title: [run["seconds"] for run in each] for title, each in rounds.items()},
         "workers that answer at once": at_once,
-        "overhead, processor ms a submission": overhead,
+        "overhead, processor ms a submission": one[every] - local[every],
         "journal alone per minute": kept,
         f"{MANY_WORKERS} workers, calculated": {
-            f"{MANY_WORKERS} workers with a core each, per minute": by_workers,
+            f"{MANY_WORKERS} workers with a core each, per minute": MANY_WORKERS * by_one,
             "one core of the grader, per minute": by_grader,
-            "per minute": calculated,
+            "per minute": min(MANY_WORKERS * by_one, by_grader, kept),
             "workers with a core each that one grader keeps busy": by_grader / by_one,
         },
-        "same results": all(each == results[0] for each in results),
     }
-    columns = ("", "per minute", "ms a submission", "processor ms", "of it the grader's")
-    rows = tuple(
-        (
-            title,
-            run["per minute"],
-            run["ms a submission"],
-            run["processor ms a submission"],
-            run["grader's processor ms a submission"],
-        )
-        for title, run in {**runs, "2 workers that answer at once": at_once}.items()
+    calculated = {name: {"": each} for name, each in values[f"{MANY_WORKERS} workers, calculated"].items()}
+    tables = (
+        Table.of("lesson 01, start not included", runs | {"2 workers that answer at once": at_once}),
+        Table.of("calculated, not measured", calculated),
     )
-    notes = (
-        f"The journal alone keeps {kept:,.0f} results a minute.",
-        f"With one worker, a submission takes {overhead:.1f} ms of processor time more than in this process.",
-        f"Calculated, not measured: {MANY_WORKERS} workers of a core each would grade {by_workers:,.0f} a minute, and "
-        f"one core of the grader can handle {by_grader:,.0f}, so {MANY_WORKERS} workers grade {calculated:,.0f}.",
-    )
-    title = f"lesson 01, start not included; {os.cpu_count()} cores for everything; load before: {load:.1f}"
-    return Result("grading_cluster", values, (Table(title, columns, rows),), notes)
-
-
-def read(folder: Path) -> list[SubmissionResult]:
-    """Return all results of a journal; they are equal if they differ in nothing but the time that they took."""
-    with Journal(folder) as journal:
-        return journal.results()
+    notes = tuple(f"{name}: {each:,.1f}" for name, each in values.items() if isinstance(each, float))
+    return Result("grading_cluster", values, tables, notes)

@@ -13,7 +13,7 @@ import json
 import os
 import sqlite3
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 from benchmarks import RESULTS, Result, Table
 from nao_course.instructor.sandbox.confinement import UNUSED_USER
@@ -118,37 +118,20 @@ def measure(level: str, attacks: Sequence[Attack] = AT_LOWER_LEVELS) -> dict[str
         return found
 
 
-def counted(found: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, list[int]]]:
-    """Return how many attacks of each kind were withstood at each level, and of how many."""
-    kinds = {each.name: KINDS[each.row] for each in AT_LOWER_LEVELS}
-    return {
-        kind: {
-            level: [held[kind], Counter(kinds[name] for name in broken)[kind]]
-            for level, broken in found.items()
-            for held in [Counter(kinds[name] for name, law in broken.items() if not law)]
-        }
-        for kind in dict.fromkeys(kinds.values())
-    }
-
-
-def result(found: Mapping[str, Mapping[str, str]]) -> Result:
-    """Return what is kept and shown of the laws that were broken, by level and attack."""
-    rows = counted(found)
-    table = Table(
-        "Hostile submissions that were withstood, of all that were graded",
-        ("kind", *found),
-        tuple(
-            (kind, *(f"{row[level][0]} of {row[level][1]}" for level in found)) for kind, row in rows.items()
-        ),
-    )
-    passed = {level: {name: law for name, law in laws_.items() if law} for level, laws_ in found.items()}
-    return Result("siege", {"withstood": rows, "not withstood": passed}, (table,))
-
-
 def main() -> Result:
     """Grade the catalogue at each lower level."""
     if os.geteuid() != 0:
         raise FileNotFoundError(
             "it has to be started by root, because the attacks run as a user without rights"
         )
-    return result({level: measure(level) for level in LEVELS[:-1]})
+    found = {level: measure(level) for level in LEVELS[:-1]}
+    kinds = {each.name: KINDS[each.row] for each in AT_LOWER_LEVELS}
+    rows: dict[str, dict[str, list[int]]] = {}
+    for level, laws_ in found.items():
+        held = Counter(kinds[name] for name, law in laws_.items() if not law)
+        for kind, graded in Counter(kinds[name] for name in laws_).items():
+            rows.setdefault(kind, {})[level] = [held[kind], graded]
+    passed = {level: {name: law for name, law in laws_.items() if law} for level, laws_ in found.items()}
+    shown = {kind: {level: "{} of {}".format(*of) for level, of in row.items()} for kind, row in rows.items()}
+    title = "Hostile submissions that were withstood, of all that were graded"
+    return Result("siege", {"withstood": rows, "not withstood": passed}, (Table.of(title, shown),))

@@ -28,9 +28,6 @@ COURSE = Sigmas(along=0.1**0.5, across=0.1**0.5, turn=0.1, bearing=0.1, range=0.
 SMALLER = Sigmas(along=0.005, across=0.005, turn=0.005, bearing=0.05, range=0.1)
 
 
-# --- the homework's ---
-
-
 def homework_rows() -> tuple[list[tuple[str, LandmarkErrors]], LogRun]:
     """Return the errors of the landmarks with the homework's and the textbook's initialisation, and the first run."""
     log = read_homework_log()
@@ -41,9 +38,6 @@ def homework_rows() -> tuple[list[tuple[str, LandmarkErrors]], LogRun]:
     runs = {name: run_log(log, start, OWN["predict"], OWN["update"]) for name, start in starts.items()}
     rows = [(name, landmark_errors(run.landmarks, run.landmark_covariances)) for name, run in runs.items()]
     return rows, runs["the homework's start"]
-
-
-# --- Freiburg's ---
 
 
 class FreiburgRun(NamedTuple):
@@ -109,38 +103,18 @@ def main() -> Result:
     low, high = band(12, len(run.nis))
     log = read_freiburg_log()
     freiburg = {name: freiburg_values(log, each) for name, each in (("course", COURSE), ("smaller", SMALLER))}
-    table = tuple(
-        (
-            name,
-            f"{number + 1}",
-            f"{found.euclidean[number]:.7f}",
-            f"{found.printed[number]:.4e}",
-            f"{found.mahalanobis[number]:.5f}",
-        )
+    errors = {
+        f"{name}, {number + 1}": {
+            "euclidean, m": f"{found.euclidean[number]:.7f}",
+            "sqrt(d' P d)": f"{found.printed[number]:.4e}",
+            "sqrt(d' inv(P) d)": f"{found.mahalanobis[number]:.5f}",
+        }
         for name, found in rows
         for number in range(6)
-    )
+    }
     tables = (
-        Table(
-            "the homework's log, Table 1",
-            ("", "landmark", "euclidean, m", "sqrt(d' P d)", "sqrt(d' inv(P) d)"),
-            table,
-        ),
-        Table(
-            f"Freiburg's log to its end, {len(log.odometry)} steps",
-            ("sigmas", "error, m", "worst", "map laid on the truth", "turned, deg", "NIS a degree"),
-            tuple(
-                (
-                    name,
-                    f"{each['error']:.3f}",
-                    f"{each['worst']:.3f}",
-                    f"{each['shape']:.3f}",
-                    f"{each['turned_degrees']:.2f}",
-                    f"{each['nis']:.2f}",
-                )
-                for name, each in freiburg.items()
-            ),
-        ),
+        Table.of("the homework's log, Table 1", errors),
+        Table.of(f"Freiburg's log to its end, {len(log.odometry)} steps", freiburg, shown=".3f"),
     )
     values = {
         "homework": {name: found.euclidean.tolist() for name, found in rows},

@@ -46,17 +46,9 @@ def main() -> Result:
     prepare(SEEDS)
     runs = np.array(in_processes(calibrated, SEEDS, "drives"))
     degrees = np.degrees(runs[..., :4])
-    rms, largest = np.sqrt(np.mean(degrees[..., :2] ** 2, axis=0)), np.abs(degrees[..., :2]).max(axis=0)
-    columns = np.column_stack([rms, degrees[..., 2:].mean(axis=0), largest, runs[..., 4].mean(axis=0)])
-    names = (
-        "pitch rms",
-        "roll rms",
-        "pitch sigma",
-        "roll sigma",
-        "pitch largest",
-        "roll largest",
-        "NEES mean",
-    )
+    rms = np.sqrt(np.mean(degrees[..., :2] ** 2, axis=0))
+    columns = np.column_stack([rms, degrees[..., 2:].mean(axis=0), runs[..., 4].mean(axis=0)])
+    names = ("pitch rms", "roll rms", "pitch sigma", "roll sigma", "NEES mean")
     after = {
         str(number): dict(zip(names, row, strict=True))
         for number, row in zip(AFTER, columns.tolist(), strict=True)

@@ -177,9 +177,7 @@ def summary(walks: Sequence[Walked]) -> dict[str, float]:
         "along rms": along,
         "across rms": across,
         "heading rms": float(np.degrees(heading)),
-        "position after the last measurement": float(np.median(np.hypot(*measured[:, :2].T))),
         "heading rms after the last measurement": float(np.degrees(np.sqrt(np.mean(measured[:, 2] ** 2)))),
-        "landmarks": float(np.mean([len(each.estimate.kinds) for each in walks])),
     } | ({"NEES median": nees} if np.isfinite(nees) else {})
 
 
@@ -244,9 +242,8 @@ def from_assumed_views(
     for assumed in ASSUMED:
         options = Options(wait=wait, assumed=assumed)
         seen, _ = options.observations(functions, pictures)
-        ends = [walk(pictures, seed, seen, options, make).position for seed in SEEDS]
-        medians.append(float(np.median(ends)))
-    return [min(medians), max(medians)]
+        medians.append(np.median([walk(pictures, seed, seen, options, make).position for seed in SEEDS]))
+    return [float(min(medians)), float(max(medians))]
 
 
 def calibrated_on(functions: Functions, pictures: Sequence[RealPicture]) -> CameraCalibration:
@@ -269,9 +266,6 @@ def marked_offset(pictures: Sequence[RealPicture]) -> float:
     return float(np.degrees(offset_of(marked(corrected_walk(pictures))[:1])))
 
 
-# --- figures ---
-
-
 @course_style()
 def draw_maps() -> bytes:
     """Return a PNG: the maps at the end of one walk over the true field."""
@@ -290,16 +284,9 @@ def draw_maps() -> bytes:
         plot_path([frame.pose for frame in each.frames], ax)
         plot_path(each.path, ax, source, robot=False)
         plot_estimate(each.estimate, ax, source)
-        ax.set_title(
-            f"{name}: {100 * each.position:.0f} cm off; odometry: {100 * odometry.position:.0f} cm",
-            fontsize=10,
-        )
-    keys = [
-        source_key("truth", "true path"),
-        source_key("odometry", "odometry"),
-        source_key("ekf", "EKF, 95 %"),
-        source_key("graph", "graph, 95 %"),
-    ]
-    legend_below(figure, keys)
+        off, by_odometry = 100 * each.position, 100 * odometry.position
+        ax.set_title(f"{name}: {off:.0f} cm off; odometry: {by_odometry:.0f} cm", fontsize=10)
+    names = {"truth": "true path", "odometry": "odometry", "ekf": "EKF, 95 %", "graph": "graph, 95 %"}
+    legend_below(figure, [source_key(source, name) for source, name in names.items()])
     figure.savefig(png, dpi=110, bbox_inches="tight", metadata={"Software": None})
     return png.getvalue()

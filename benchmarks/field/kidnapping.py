@@ -79,11 +79,8 @@ def spliced(seed: int, other: int) -> tuple[list[Stop], int]:
     drive, second = stops_of(seed), stops_of(other)
     first = int(rng.integers(FIRST, LAST + 1))
     here = drive[first][0].pose
-    far = [
-        number
-        for number in range(1, len(second) - AFTERWARDS)
-        if np.hypot(second[number][0].pose.x - here.x, second[number][0].pose.y - here.y) >= ELSEWHERE
-    ]
+    places = np.array([(stop[0].pose.x - here.x, stop[0].pose.y - here.y) for stop in second])
+    far = 1 + np.flatnonzero(np.hypot(*places[1 : len(second) - AFTERWARDS].T) >= ELSEWHERE)
     return [*drive[:first], *second[int(rng.choice(far)) :]], first
 
 
@@ -148,7 +145,12 @@ def main() -> Result:
     every = [step for _, found in carried for step in found] + [step for *_, found in left for step in found]
     values: dict[str, Any] = {
         "kidnapped": summary([result for result, _ in carried]),
-        "ordinary": quiet(left),
+        "ordinary": {
+            "drives": len(left),
+            "alarms": sum(alarms for alarms, _, _ in left),
+            "false alarms": sum(false for _, false, _ in left),
+            "off by more than 0.15 m at the end": sum(drive[-1].error > RIGHT[0] for *_, drive in left),
+        },
         "ms a picture": {
             "with hypotheses": _times([step for step in every if step.kept]),
             "without": _times([step for step in every if not step.kept]),
@@ -177,16 +179,6 @@ def summary(found: Sequence[Kidnapping]) -> dict[str, float]:
         "worst": float(error.max()),
         "stops sure of a wrong pose": sum(each.wrong for each in found),
         "off by more than 0.15 m at the end": sum(each.end > RIGHT[0] for each in found),
-    }
-
-
-def quiet(found: Sequence[tuple[int, int, list[Step]]]) -> dict[str, int]:
-    """Return the number of alarms of ordinary drives, and how many of these drives are lost at the end."""
-    return {
-        "drives": len(found),
-        "alarms": sum(alarms for alarms, _, _ in found),
-        "false alarms": sum(false for _, false, _ in found),
-        "off by more than 0.15 m at the end": sum(drive[-1].error > RIGHT[0] for *_, drive in found),
     }
 
 

@@ -90,7 +90,6 @@ def ends(stories: list[demo.Story], field: Field) -> dict[str, dict[str, float]]
         found[name] = {
             "position median": float(np.median(position)),
             "position worst": float(position.max()),
-            "heading median": float(np.median([result[name]["heading"] for result in each])),
             "lost": int((position > LOST).sum()),
         }
     for name in ("landmarks", "landmarks_median"):
@@ -114,19 +113,14 @@ def field_results(name: str, seeds: Sequence[int] = SEEDS) -> dict[str, Any]:
 def main() -> Result:
     """Drive over each field of the course."""
     found = dict(zip(SHIPPED, in_processes(field_results, SHIPPED, "fields"), strict=True))
-    tables = (
-        Table.of(
-            f"detectors, {len(SEEDS)} drives on each field, landmarks up to {demo.FARTHEST:g} m, near: {NEAR:g} m",
-            {
-                f"{field}, {name}": of
-                for field, each in found.items()
-                for name, of in each["detectors"].items()
-            },
-        ),
-        Table.of(
-            f"ends of {len(SEEDS)} drives, m; lost: over {LOST:g} m",
-            {f"{field}, {name}": of for field, each in found.items() for name, of in each["drives"].items()},
-            *("position median", "position worst", "lost", "landmarks", "landmarks_median"),
-        ),
+    detectors, drives = (
+        {f"{field}, {name}": of for field, each in found.items() for name, of in each[part].items()}
+        for part in ("detectors", "drives")
     )
+    title = (
+        f"detectors, {len(SEEDS)} drives on each field, landmarks up to {demo.FARTHEST:g} m, near: {NEAR:g} m"
+    )
+    columns = ("position median", "position worst", "lost", "landmarks", "landmarks_median")
+    ends_of = f"ends of {len(SEEDS)} drives, m; lost: over {LOST:g} m"
+    tables = Table.of(title, detectors), Table.of(ends_of, drives, *columns)
     return Result("own_fields", {"fields": found, "seeds": len(SEEDS), "lost": LOST}, tables)

@@ -119,9 +119,6 @@ class Options:
 BEST = Options(lines=True, compass=True)
 
 
-# --- algorithms ---
-
-
 def jointly(kind: str | Callable[..., Any] = "EkfSlam") -> Make:
     """Return a factory of an algorithm of lesson 11, or of a variant of it, with joint compatibility."""
 
@@ -154,9 +151,6 @@ def joint_update(start: Pose) -> JointUpdate:
 def with_hypotheses(start: Pose) -> SlamAlgorithm:
     """Return the joint update with several hypotheses about the association."""
     return MultipleHypotheses(joint_update(start))
-
-
-# --- drives ---
 
 
 @dataclass(frozen=True)

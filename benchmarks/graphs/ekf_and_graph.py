@@ -36,7 +36,7 @@ def main() -> Result:
     """Compare them with both noises, and write what the lesson shows."""
     ekf, smoother = methods()
     values: dict[str, Any] = {}
-    rows = []
+    rows = dict[str, dict[str, str]]()
     for name, noise in NOISES.items():
         found = compare(ekf, smoother, noise, STEPS, SEEDS)
         means = {
@@ -47,19 +47,14 @@ def main() -> Result:
         every = [at_every_stop(drive, smoother, run_filter(drive, ekf)) for drive in drives]
         values[name] = {"steps": STEPS, "runs": len(SEEDS), "methods": means, "graph_at_every_stop": every}
         for i, steps in enumerate(STEPS):
-            rows += [
-                (
-                    f"{name}, {method}",
-                    steps,
-                    *(f"{of[score][i]:.3g}" for score in ("path", "last", "landmarks", "nees")),
-                    f"{1000 * of['seconds'][i]:.3g}",
-                )
-                for method, of in means.items()
-            ]
+            for method, of in means.items():
+                scores = {
+                    score: f"{of[score][i]:.3g}" for score in ("path", "last", "landmarks", "nees", "seconds")
+                }
+                rows[f"{name}, {method}, {steps} steps"] = scores
     write_json(EKF_AND_GRAPH, digits(values[SHOWN]), 1)
-    columns = ("drive", "steps", "path m", "last pose m", "landmarks m", "NEES (3)", "ms")
-    table = Table(
-        f"EKF and graph on the same {len(SEEDS)} drives of each length, means", columns, tuple(rows)
+    table = Table.of(
+        f"EKF and graph on the same {len(SEEDS)} drives of each length, means: m, NEES (3), s", rows
     )
     last = values[SHOWN]
     note = (

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -17,26 +18,120 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse.linalg
+import scipy.spatial
 
 from benchmarks import Result, Table, digits, solution, write_json
-from benchmarks.graphs.graph_worlds import town, town_with_landmarks
 from nao_course.datasets import data_folder, read_g2o
 from nao_course.geometry import FloatArray
-from nao_course.graphs import Graph
+from nao_course.graphs import LANDMARK, POSE, Graph
 from nao_course.lessons.pose_graphs.measured.recorded import COSTS
+from nao_course.lessons.pose_graphs.worlds import between
 
 OWN = solution("09")
 STANDARD = {"intel": "openslam_intel", "M3500": "input_M3500_g2o", "city10000": "city10000"}
 ROUNDS = 5
 SIZES = (100, 300, 1000, 3000, 10_000, 30_000, 100_000)
 STEPS = 3  # of Gauss-Newton, for the cost by size
+SHOWN = ("iterations", "chi2_before", "chi2_own", "chi2_gtsam", "ms_own", "ms_gtsam", "ms_qdldl")
 MOST_SECONDS = {"dense": 0.5}  # once a way has taken so long, or else 2 s, larger graphs are left out
+
+STEP_SIGMA = np.array([0.02, 0.02, 0.01])  # m, m, rad; as large along as across, so the frame does not matter
+SIGHT_SIGMA = np.array([0.001, 0.001])  # rad, m: so good that bearing and range have the optimum of x and y
+NEAREST, FARTHEST = 1.0, 3.5  # m within which a landmark is seen
+HEADINGS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
 
 Problem = tuple[Graph, FloatArray]
 Solved = tuple[FloatArray, int]  # states, iterations
 
 
-# --- the ways of solving ---
+def streets(poses: int, rng: np.random.Generator) -> FloatArray:
+    """Return a random walk on a grid inside a square, with steps of a metre, as (poses, 3)."""
+    side = max(int(np.sqrt(poses) / 2), 3)
+    at, heading = np.zeros(2, dtype=int), 0
+    truth = np.zeros((poses, 3))
+    draws = rng.random(poses)
+    for step in range(1, poses):
+        while draws[step] < 0.25 or np.abs(at + HEADINGS[heading]).max() > side:
+            heading, draws[step] = int(rng.integers(4)), 1.0
+        at = at + HEADINGS[heading]
+        truth[step] = *at, heading * np.pi / 2
+    return truth
+
+
+def town(poses: int, seed: int = 9) -> tuple[Graph, FloatArray]:
+    """Return a graph of poses that revisit places, and states near the truth.
+
+    What is measured is time, so nobody has to find the way from far off: odometry over 100,000 m would be too far.
+    """
+    rng = np.random.default_rng([seed, poses])
+    truth = streets(poses, rng)
+    steps = np.column_stack([np.arange(poses - 1), np.arange(1, poses)])
+    pairs = np.concatenate([steps, _met_again(truth, rng)])
+    z = between(truth[pairs[:, 0]], truth[pairs[:, 1]]) + rng.normal(0.0, STEP_SIGMA, (len(pairs), 3))
+    information = np.broadcast_to(np.diag(STEP_SIGMA**-2.0), (len(pairs), 3, 3))
+    return Graph(pairs, z, information, np.full(poses, POSE)), _near(truth, rng).ravel()
+
+
+def _met_again(truth: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return pairs (late, early): half of the poses on a crossing that was passed before recognise it."""
+    last: dict[tuple[float, float], int] = {}
+    pairs = []
+    for late, (x, y, _) in enumerate(truth):
+        early = last.get((x, y))
+        if early is not None and late - early > 3 and rng.random() < 0.5:
+            pairs.append((late, early))
+        last[x, y] = late
+    return np.array(pairs, dtype=int).reshape(-1, 2)
+
+
+def town_with_landmarks(poses: int = 5000, landmarks: int = 500, seed: int = 9) -> tuple[Graph, FloatArray]:
+    """Return a graph of poses that measure bearing and range of all landmarks nearby, and states near the truth."""
+    rng = np.random.default_rng([seed, poses, landmarks])
+    truth = streets(poses, rng)
+    marks = rng.uniform(truth[:, :2].min(axis=0) - 1, truth[:, :2].max(axis=0) + 1, (landmarks, 2))
+    tree = scipy.spatial.cKDTree(marks)
+    far, too_near = (tree.query_ball_point(truth[:, :2], distance) for distance in (FARTHEST, NEAREST))
+    near = [sorted(set(each) - set(less)) for each, less in zip(far, too_near, strict=True)]
+    pose = np.repeat(np.arange(poses), [len(each) for each in near])
+    seen, mark = np.unique(np.concatenate([np.array(each, dtype=int) for each in near]), return_inverse=True)
+    away = between(truth[pose], np.column_stack([marks[seen][mark], np.zeros(len(mark))]))[:, :2]
+    bearing = np.arctan2(away[:, 1], away[:, 0]) + rng.normal(0.0, SIGHT_SIGMA[0], len(mark))
+    distance = np.hypot(*away.T) + rng.normal(0.0, SIGHT_SIGMA[1], len(mark))
+    sight, information = cartesian(bearing, distance)
+    z = between(truth[:-1], truth[1:]) + rng.normal(0.0, STEP_SIGMA, (poses - 1, 3))
+    graph = Graph(
+        np.concatenate(
+            [
+                np.column_stack([np.arange(poses - 1), np.arange(1, poses)]),
+                np.column_stack([pose, poses + mark]),
+            ]
+        ),
+        np.concatenate([z, sight]),
+        np.concatenate([np.broadcast_to(np.diag(STEP_SIGMA**-2.0), (poses - 1, 3, 3)), information]),
+        np.repeat([POSE, LANDMARK], [poses, len(seen)]),
+    )
+    return graph, np.concatenate(
+        [_near(truth, rng).ravel(), (marks[seen] + rng.normal(0.0, 0.1, (len(seen), 2))).ravel()]
+    )
+
+
+def _near(truth: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return poses near the true ones; the first is exact."""
+    away = rng.normal(0.0, (0.1, 0.1, 0.03), truth.shape)
+    away[0] = 0.0
+    return np.asarray(truth + away)
+
+
+def cartesian(bearing: FloatArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Convert bearings and ranges (N,) to measurements (N, 3) and information (N, 3, 3) of a graph's edges."""
+    c, s = np.cos(bearing), np.sin(bearing)
+    z = np.column_stack([distance * c, distance * s, np.zeros(len(bearing))])
+    across, along = np.stack([-s, c], axis=-1), np.stack([c, s], axis=-1)
+    weights = (distance * SIGHT_SIGMA[0]) ** -2.0, np.full(len(bearing), SIGHT_SIGMA[1] ** -2.0)
+    information = np.zeros((len(bearing), 3, 3))
+    for weight, axis in zip(weights, (across, along), strict=True):
+        information[:, :2, :2] += weight[:, None, None] * axis[:, :, None] * axis[:, None, :]
+    return z, information
 
 
 def own(graph: Graph, states: FloatArray, iterations: int) -> FloatArray:
@@ -95,9 +190,6 @@ WAYS: dict[str, Callable[..., FloatArray]] = {
 }
 
 
-# --- GTSAM ---
-
-
 def gtsam_problem(graph: Graph, states: FloatArray) -> Any:
     """Return the graph and guess as GTSAM objects; landmarks have bearing and range, which is equal to first order."""
     gtsam = importlib.import_module("gtsam")
@@ -143,9 +235,6 @@ def gtsam_states(graph: Graph, values: Any) -> FloatArray:
     return np.concatenate([np.asarray(each, dtype=float) for each in flat])
 
 
-# --- measuring ---
-
-
 @contextmanager
 def one_core() -> Iterator[None]:
     """Keep all threads of this process on one core, where the system can do that."""
@@ -161,12 +250,8 @@ def one_core() -> Iterator[None]:
 
 
 def installed(name: str) -> bool:
-    """Return whether an optional package can be imported."""
-    try:
-        importlib.import_module(name)
-    except ImportError:
-        return False
-    return True
+    """Return whether an optional package is there."""
+    return importlib.util.find_spec(name) is not None
 
 
 def timed(function: Callable[[], Any]) -> tuple[float, Any]:
@@ -209,12 +294,8 @@ def beside_gtsam(graph: Graph, states: FloatArray) -> dict[str, Any]:
         for name, way in ways.items():
             taken, results[name] = timed(way)
             seconds[name] = min(seconds[name], taken)
-    row = {
-        "poses": graph.poses,
-        "landmarks": graph.landmarks,
-        "edges": len(graph.edges),
-        "iterations": iterations,
-    }
+    row = {"poses": graph.poses, "landmarks": graph.landmarks, "edges": len(graph.edges)}
+    row["iterations"] = iterations
     row |= {"chi2_before": chi2(graph, states), "chi2_own": chi2(graph, results["own"])}
     if problem:
         row["chi2_gtsam"] = chi2(graph, gtsam_states(graph, results["gtsam"]))
@@ -241,14 +322,12 @@ def _runs(graph: Graph, states: FloatArray) -> dict[str, Callable[[], Any]]:
     ways: dict[str, Callable[..., Any]] = dict(WAYS)
     if installed("qdldl"):
         ways["with the wheel qdldl"] = with_qdldl
-    runs = {name: partial(_on_a_new_graph, way, graph, states) for name, way in ways.items()}
+    runs: dict[str, Callable[[], Any]] = {
+        name: lambda way=way: way(replace(graph), states, STEPS) for name, way in ways.items()
+    }
     if installed("gtsam"):
         runs["GTSAM"] = partial(gtsam_solve, gtsam_problem(graph, states), STEPS)
     return runs
-
-
-def _on_a_new_graph(way: Callable[..., Any], graph: Graph, states: FloatArray) -> Any:
-    return way(replace(graph), states, STEPS)
 
 
 def main() -> Result:
@@ -259,39 +338,18 @@ def main() -> Result:
         costs = by_size()
     rounded = digits(costs)
     write_json(COSTS, rounded, 1)
-    if not installed("gtsam"):
-        notes.append("without GTSAM, which is not installed: pip install gtsam, or the extra bench")
-    if not installed("qdldl"):
-        notes.append("without qdldl, which is not installed: pip install qdldl, or the extra bench")
-    tables = (_beside(rows), _ways(rounded))
+    missing = [name for name in ("gtsam", "qdldl") if not installed(name)]
+    notes += [f"without {name}, which is not installed: the extra bench has it" for name in missing]
+    beside = {
+        name: {key: f"{row[key]:.6g}" if key in row else "-" for key in SHOWN} for name, row in rows.items()
+    }
+    by_way = {
+        name: {f"{size:,}": "-" for size in SIZES}
+        | {f"{row['poses']:,}": f"{1000 * row['seconds']:.4g}" for row in each}
+        for name, each in rounded.items()
+    }
+    tables = (
+        Table.of("Gauss-Newton to the optimum, files read beforehand, one core", beside),
+        Table.of(f"{STEPS} steps of Gauss-Newton by the number of poses, one core, ms", by_way),
+    )
     return Result("pose_graphs", {"graphs": rows, "costs": costs}, tables, tuple(notes))
-
-
-def _beside(rows: dict[str, dict[str, Any]]) -> Table:
-    """Return the table of the comparison with GTSAM."""
-    columns = ("graph", "chi2", "GTSAM's", "steps", "own ms", "GTSAM ms", "ratio", "qdldl ms")
-    cells = []
-    for name, row in rows.items():
-        theirs, chi2_theirs = row.get("ms_gtsam"), row.get("chi2_gtsam")
-        times = (row["ms_own"], theirs, theirs and row["ms_own"] / theirs, row.get("ms_qdldl"))
-        own_ms, gtsam_ms, ratio, qdldl_ms = ("-" if value is None else f"{value:.2f}" for value in times)
-        cells.append(
-            (
-                name,
-                f"{row['chi2_before']:.6g} → {row['chi2_own']:.6g}",
-                "-" if chi2_theirs is None else f"{chi2_theirs:.6g}",
-                row["iterations"],
-                *(own_ms, gtsam_ms, ratio, qdldl_ms),
-            )
-        )
-    return Table("Gauss-Newton to the optimum, files read beforehand, one core", columns, tuple(cells))
-
-
-def _ways(costs: dict[str, list[dict[str, float]]]) -> Table:
-    """Return the table of milliseconds of each method by size."""
-    cells = []
-    for name, rows in costs.items():
-        found = {row["poses"]: f"{1000 * row['seconds']:.4g}" for row in rows}
-        cells.append((name, *(found.get(size, "-") for size in SIZES)))
-    heads = ("way, ms", *(f"{size:,}" for size in SIZES))
-    return Table(f"{STEPS} steps of Gauss-Newton by the number of poses, one core", heads, tuple(cells))

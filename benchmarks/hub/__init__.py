@@ -11,7 +11,6 @@ import asyncio
 import os
 import pwd
 import tempfile
-import time
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -84,7 +83,6 @@ def measured(hub: Hub, students: int, *, whole: bool) -> dict[str, Any]:
     lessons = sorted(path.stem for path in (ROOT / "solutions").glob("*.ipynb"))
     counts: dict[str, Any] = {"students": students, "arrived": 0, "lessons": lessons}
     counts |= {"open": {}, "set up": {}, "driven": {}, "all cells": {} if whole else None}
-    began = time.monotonic()
 
     async def everybody() -> list[Any]:
         return await asyncio.gather(*(_session(hub, number, counts) for number in range(students)))
@@ -97,14 +95,10 @@ def measured(hub: Hub, students: int, *, whole: bool) -> dict[str, Any]:
     waits = [after - before for each in seen for before, after in pairwise(each.pictures)]
     figures: dict[str, Any] = {
         "students": students,
-        "seconds": time.monotonic() - began,
-        "login_s": float(np.median([each.login for each in seen])),
         "server_s": _quantiles([each.server for each in seen]),
-        "kernel_s": _quantiles([each.kernel for each in seen]),
         "set_up_s": _quantiles([each.cells[0] for each in seen]),
         "cell_s": _quantiles(cells),
         "pictures_per_second": float(1 / np.mean(waits)),
-        "hub_mb": own_mb(hub.process.pid),
     }
     for state in ("open", "set up", "driven", "all cells"):
         if counts[state]:
@@ -191,7 +185,6 @@ def _rows(each: dict[str, Any]) -> dict[str, str]:
 
     return {
         "start of the server, median / 95 %": pair("server_s"),
-        "opening of the lesson, with its kernel": pair("kernel_s"),
         "set-up cell": pair("set_up_s"),
         "any cell": pair("cell_s"),
         "pictures a second of a panel that drives": f"{each['pictures_per_second']:.1f}",

@@ -23,9 +23,7 @@ SECONDS = 600.0  # for anything that a student waits for
 class Seen:
     """What a student's session showed."""
 
-    login: float = 0.0  # seconds until the hub's page, and until the student's server and its kernel answered
-    server: float = 0.0
-    kernel: float = 0.0
+    server: float = 0.0  # seconds until the student's server answered
     cells: list[float] = field(default_factory=list)  # seconds from each cell's request to its reply
     errors: list[str] = field(default_factory=list)  # exceptions of cells
     # times at which the panel's chosen camera sent a picture during a drive, monotonic seconds
@@ -63,7 +61,6 @@ class Student:
 
     async def log_in(self) -> None:
         """Log in with the hub's form."""
-        began = time.monotonic()
         async with self._http.get(f"{self.url}/hub/login") as page:
             token = re.search(r'name="_xsrf" value="([^"]*)"', await page.text())
         form = {"username": self.claim, "password": self.password, "_xsrf": token[1] if token else ""}
@@ -76,7 +73,6 @@ class Student:
         if not found:
             raise RuntimeError(f"{self.claim} is not logged in")
         self.name = found[1]
-        self.seen.login = time.monotonic() - began
 
     async def start_server(self) -> None:
         """Start the student's server, and wait until JupyterLab's page comes from it."""
@@ -98,7 +94,6 @@ class Student:
 
     async def open_lesson(self, lesson: str) -> list[str]:
         """Open a notebook, start its kernel and connect to it; return its code cells."""
-        began = time.monotonic()
         api = f"{self.url}/user/{self.name}/api"
         async with self._http.get(f"{api}/contents/{lesson}.ipynb") as answer:
             answer.raise_for_status()
@@ -119,7 +114,6 @@ class Student:
         )
         self._reader = asyncio.create_task(self._read(self._socket))
         await self._ask("kernel_info_request", {})
-        self.seen.kernel = time.monotonic() - began
         return [each["source"] for each in cells if each["cell_type"] == "code"]
 
     def _headers(self) -> dict[str, str]:

@@ -21,7 +21,7 @@ from nao_course.field_slam.lines import read_lines, to_ground
 from nao_course.field_slam.observation import tilted
 from nao_course.geometry import FloatArray
 from nao_course.sim import CameraView, Reality, standard_scenes
-from nao_course.sim.scenes import Scene, SceneSet
+from nao_course.sim.scenes import Scene
 
 SIGMAS = np.radians((1.3, 0.8))  # pitch and roll before the picture is used
 SURE = float(np.radians(0.5))  # of the pitch: a picture that says it knows it better than this
@@ -41,9 +41,8 @@ def summary(cases: Sequence[tuple[Any, CameraView, CameraView]]) -> dict[str, fl
     rows = []
     for pixels, believed, true in cases:
         after, sigma = corrected(pixels, believed)
-        pitches = believed.pitch - true.pitch, after.pitch - true.pitch
-        rows.append((*pitches, believed.roll - true.roll, after.roll - true.roll, sigma))
-    before, after, roll_before, roll_after, sigmas = np.array(rows).T
+        rows.append((believed.pitch - true.pitch, after.pitch - true.pitch, sigma))
+    before, after, sigmas = np.array(rows).T
     sure = sigmas < SURE
     return {
         "pictures": len(rows),
@@ -51,8 +50,6 @@ def summary(cases: Sequence[tuple[Any, CameraView, CameraView]]) -> dict[str, fl
         "pitch rms after": _rms(after),
         "share sure": float(sure.mean()),
         "pitch rms where sure": _rms(after[sure]),
-        "roll rms before": _rms(roll_before),
-        "roll rms after": _rms(roll_after),
         "error / sigma, rms": float(np.sqrt(((after / sigmas) ** 2).mean())),
         "within 2 sigma": float((np.abs(after / sigmas) < 2).mean()),
     }
@@ -60,11 +57,6 @@ def summary(cases: Sequence[tuple[Any, CameraView, CameraView]]) -> dict[str, fl
 
 def _rms(angles: FloatArray) -> float:
     return float(np.degrees(np.sqrt((angles**2).mean()))) if len(angles) else 0.0
-
-
-def simulated(which: SceneSet, look: Reality | None = None) -> list[Scene]:
-    """Return the pictures of a set, with another look than its own if one is given."""
-    return list(standard_scenes(which, reality=look) if look else standard_scenes(which))
 
 
 def of_scenes(scenes: Sequence[Scene]) -> list[tuple[Any, CameraView, CameraView]]:
@@ -117,29 +109,22 @@ def range_errors(scenes: Sequence[Scene]) -> dict[str, dict[str, float]]:
 
 def main() -> Result:
     """Compare tilts on the simulator's reporting sets in laboratories and on the real pictures."""
-    near, whole = simulated("report"), simulated("whole", Reality.lab())
+    near, whole = list(standard_scenes("report")), list(standard_scenes("whole", reality=Reality.lab()))
     sets = {
         "half field, near": summary(of_scenes(near)),
         "whole field, laboratory": summary(of_scenes(whole)),
     }
-    notes, spread = list[str](), dict[str, float]()
-    try:
-        pictures = {
-            "real scenes": read_pictures("scenes"),
-            "real straight walk": corrected_walk(read_pictures("straightwalk")),
-        }
-        sets |= {name: summary(real(each)) for name, each in pictures.items()}
-        spread = {name: truth_spread(each) for name, each in pictures.items()}
-        notes = [
-            f"{name}: two fits of the true pitch differ by {each:.2f}° rms" for name, each in spread.items()
-        ]
-    except FileNotFoundError as error:
-        notes.append(f"the real pictures are left out: {error}")
+    pictures = {
+        "real scenes": read_pictures("scenes"),
+        "real straight walk": corrected_walk(read_pictures("straightwalk")),
+    }
+    sets |= {name: summary(real(each)) for name, each in pictures.items()}
+    spread = {name: truth_spread(each) for name, each in pictures.items()}
+    notes = [f"{name}: two fits of the true pitch differ by {each:.2f}° rms" for name, each in spread.items()]
     ranges = range_errors([*near, *whole])
     tables = (
         Table.of("tilt before and after its lines are asked: degrees, rms", sets),
         Table.of("range of a corner, median error in metres", ranges),
     )
-    return Result(
-        "tilt", {"tilt": sets, "ranges": ranges, "spread of the truth": spread}, tables, tuple(notes)
-    )
+    values = {"tilt": sets, "ranges": ranges, "spread of the truth": spread}
+    return Result("tilt", values, tables, tuple(notes))

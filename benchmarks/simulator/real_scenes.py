@@ -27,7 +27,7 @@ from nao_course.sim.render import render
 Pixels = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]
 
-# The field of the real pictures: that of the 2012 rules, except for the lines, which are 3.95 cm wide as measured.
+# The field of the real pictures has the 2012 rules, but its lines are 3.95 cm wide as measured.
 FIELD = Field(replace(DIMENSIONS[2012], line_width=0.0395), half=False)
 ROOMS = 4  # the twins are spread over so many of the simulator's rooms
 AROUND = 4  # px around lines and posts that count as theirs

@@ -18,7 +18,7 @@ from nao_course.geometry import FloatArray
 from nao_course.sim.reality import Reality
 
 WHITE = 3  # label
-# Immerkaer 1996: the response to noise, and not to slopes or edges.
+# Immerkaer 1996: the response to noise, and not to gradients or edges.
 LAPLACIAN = np.array([[1.0, -2, 1], [-2, 4, -2], [1, -2, 1]])
 # Statistics that are 0 in most pictures, so that the mean over pictures is shown; of all others the median.
 BY_MEAN = ("bright specks", "white %", "edges %", "white left off")

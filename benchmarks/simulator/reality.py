@@ -55,11 +55,12 @@ WALK_STOP = 0.2  # metres
 class Matched:
     """A picture with the landmark of each of its N points."""
 
-    picture: RealPicture  # the picture
+    picture: RealPicture
     pixels: FloatArray  # (N, 2): the points as they were marked
     landmarks: FloatArray  # (N, 3): of the field, metres
-    # (N,): whether the point is near enough to its landmark to take part in a fit
-    used: npt.NDArray[np.bool_]
+    used: npt.NDArray[
+        np.bool_
+    ]  # (N,): whether the point is near enough to its landmark to take part in a fit
 
 
 @dataclass(frozen=True)

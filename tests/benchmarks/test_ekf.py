@@ -5,7 +5,6 @@ import pytest
 
 from benchmarks.ekf import ekf_ideas, ekf_speed
 from benchmarks.ekf.ekf_ideas import Compressed, Forgetful, Whole, go_round
-from benchmarks.ekf.ekf_in_place import InPlaceFilter
 from benchmarks.ekf.ekf_logs import COURSE, aligned, freiburg_values
 from nao_course.datasets import read_freiburg_log
 from nao_course.lessons.ekf_slam.costs import draw_costs
@@ -41,20 +40,16 @@ def test_what_is_forgotten_is_not_found_again(ring):
     assert np.hypot(*forgetful.errors[-1, :2]) > 2 * np.hypot(*whole.errors[-1, :2])
 
 
-def test_in_place_believes_what_new_arrays_do(rng):
+def test_in_place_and_all_ways_that_are_timed_believe_what_new_arrays_do(rng):
     state, covariance, landmark, seen = ekf_speed.a_map(12)
-    own = InPlaceFilter(state, covariance)
+    own = ekf_speed.InPlaceFilter(state, covariance)
     for _ in range(20):
         own.predict(ekf_speed.CONTROL, ekf_speed.Q)
         own.update_landmark(landmark, seen, ekf_speed.R)
         state, covariance = ekf_ideas.OWN["predict"](state, covariance, ekf_speed.CONTROL, ekf_speed.Q, 12)
-        state, covariance = ekf_ideas.OWN["update_landmarks"](
-            state, covariance, [landmark], seen, ekf_speed.R
-        )
+        update = ekf_ideas.OWN["update_landmarks"]
+        state, covariance = update(state, covariance, [landmark], seen, ekf_speed.R)
     assert np.allclose(own.state, state, atol=1e-10) and np.allclose(own.covariance, covariance, atol=1e-10)
-
-
-def test_all_ways_that_are_timed_believe_the_same():
     names = [name for name in ekf_speed.WAYS if name != "filterpy" or ekf_speed.ExtendedKalmanFilter]
     assert ekf_speed.apart(names, k=8) < 1e-12
 
