@@ -53,7 +53,8 @@ _CSS = """
 .nao-cockpit:has(.nao-keys:focus) { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: -2px; }
 .nao-cockpit .nao-key-place { position: absolute; left: 0; top: 0; width: 1px; height: 1px; opacity: 0;
   overflow: hidden; }
-.nao-cockpit .nao-ready .widget-html-content { display: flex; gap: 14px; line-height: 18px; font-size: 12px; }
+.nao-cockpit .nao-ready .widget-html-content { display: flex; gap: 14px; flex: 1 1 0; min-width: 0;
+  line-height: 18px; font-size: 12px; }
 .nao-cockpit .nao-ready p { margin: 0; min-width: 90px; white-space: nowrap; overflow: hidden;
   text-overflow: ellipsis; }
 .nao-cockpit .nao-numbers .widget-html-content { display: grid; grid-template-columns: 3fr 3fr 4fr; gap: 6px; }
@@ -80,7 +81,7 @@ _CSS = """
   border-radius: 9px; }
 .nao-cockpit .nao-camera:not(.nao-chosen) { position: absolute; z-index: 1; right: 6px; top: 6px; width: 30%;
   border: 2px solid #fff; border-radius: 5px; box-sizing: border-box; box-shadow: 0 1px 6px #0008; }
-.nao-cockpit .nao-over { position: absolute; z-index: 2; left: 0; right: 0; bottom: 0; max-height: 100%; margin: 0;
+.nao-cockpit .nao-over { position: absolute; z-index: 2; left: 0; right: 0; bottom: 0; max-height: 48%; margin: 0;
   overflow: auto; }
 .nao-cockpit .nao-over .widget-html-content { color: #fff; }
 .nao-cockpit .nao-over .nao-status { min-height: 36px; padding: 3px 8px 4px; background: #10151cc7; color: #fff; }
