@@ -1,8 +1,5 @@
 """On a real robot's pictures distances are what lesson 04 says, after one calibration."""
 
-from __future__ import annotations
-
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +13,7 @@ MOST = {"1-2 m": 0.12, "2-3 m": 0.25}  # m, median of the exact way's error
 
 @pytest.mark.slow
 @pytest.mark.parametrize("title", distance.SETS)
-def test_distances_on_real_pictures(title: str, data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_distances_on_real_pictures(title, data_dir, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(data_dir))
     offset, errors = distance.measured(distance.SETS[title])
     assert 4.5 < np.degrees(offset) < 7.5
@@ -27,7 +24,7 @@ def test_distances_on_real_pictures(title: str, data_dir: Path, monkeypatch: pyt
         assert np.array(found[name]) == pytest.approx(np.array(rows), abs=0.002), f"{name}: {found[name]}"
 
 
-def test_ten_pictures_are_for_the_calibration_and_all_others_are_measured() -> None:
+def test_ten_pictures_are_for_the_calibration_and_all_others_are_measured():
     one = Marked(np.zeros((1, 2)), np.zeros((1, 2)), None)  # type: ignore[arg-type]
     pictures = [Marked(one.pixels, one.ground, one.view) for _ in range(23)]
     ten, others = distance.split(pictures)
