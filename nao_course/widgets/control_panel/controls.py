@@ -90,9 +90,9 @@ _CSS = """
 .nao-cockpit .nao-over .nao-finish { border-left-color: #2fbf71; }
 .nao-cockpit .nao-finish [role=status] { font-size: 15px; font-weight: 600; line-height: 20px; }
 @media (prefers-reduced-motion: no-preference) {
-  .nao-cockpit .nao-finish { animation: nao-finish 3.4s ease-in; }
+  .nao-cockpit .nao-over:has(.nao-finish) { animation: nao-finish 3.4s ease-in; }
 }
-@keyframes nao-finish { 0%, 88% { transform: translateY(calc(50% - var(--h) / 2)); background: #0c5c36; } }
+@keyframes nao-finish { 0%, 88% { transform: translateY(calc(50% - var(--h) / 2)); } }
 .nao-cockpit .nao-face .nao-map { position: relative; display: block; height: var(--h); }
 .nao-cockpit .nao-map-legend { height: 20px; padding: 0 18px 0 0; gap: 0 10px; font-size: 11px; line-height: 20px;
   overflow: hidden; position: relative; box-sizing: border-box; align-content: flex-start; border-radius: 4px; }
