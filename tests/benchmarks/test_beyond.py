@@ -23,11 +23,9 @@ def own():
 
 
 def test_particles_all_at_once_do_what_the_lessons_function_does_one_by_one(own):
+    functions = own["update_particle_landmark"], own["resample"], 20
     both = [
-        run_fast_slam(
-            kind(START, own["update_particle_landmark"], own["resample"], 20, np.random.default_rng(3)),
-            lap(3, 12),
-        )
+        run_fast_slam(kind(START, *functions, np.random.default_rng(3)), lap(3, 12))
         for kind in (FastSlam, QuickFastSlam)
     ]
     assert np.allclose(both[0].paths, both[1].paths, atol=1e-9)
@@ -53,10 +51,8 @@ def test_a_recorded_journey_is_what_the_solution_drives(own):
 
 def test_a_recorded_room_is_what_the_solution_explores(own):
     enough = recorded.read(recorded.EXPLORING)["variants"]["nearest frontier"]["enough"]
-    parts = [
-        known.part
-        for known in explore(own["travel_steps"], nearest_frontier(own["find_frontiers"]), 2, ROOM_MOVES)
-    ]
+    rule = nearest_frontier(own["find_frontiers"])
+    parts = [known.part for known in explore(own["travel_steps"], rule, 2, ROOM_MOVES)]
     assert int(np.argmax(np.array(parts) >= 0.9)) == enough[2]
 
 
@@ -64,9 +60,6 @@ def test_a_recorded_room_is_what_the_solution_explores(own):
 def test_a_recorded_distance_is_what_the_cameras_measure(own):
     pixel_to_ground = load_solution(SOLUTIONS / "04_distance.ipynb")["pixel_to_ground"]
     distances = measure_again(own["intersect_rays"], pixel_to_ground, 2.0, (640, 480), count=COUNT, seed=SEED)
-    row = next(
-        each
-        for each in recorded.read(recorded.CAMERAS)["rows"]
-        if each["width"] == 640 and each["distance"] == 2
-    )
+    rows = recorded.read(recorded.CAMERAS)["rows"]
+    (row,) = (each for each in rows if (each["width"], each["distance"]) == (640, 2))
     assert distances.sigmas == pytest.approx((row["one"], row["both"]), abs=1e-3)

@@ -1,7 +1,5 @@
 """On a real robot's pictures, points fall where the library's field and camera say."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,13 +25,8 @@ def walk(data_dir: Path) -> Case:
     return run_case("straightwalk", reality.corrected_walk(read_pictures("straightwalk", data_dir)))
 
 
-# --- real pictures ---
-
-
 @pytest.mark.parametrize("name", [pytest.param("scenes", marks=pytest.mark.slow), "walk"])
-def test_every_point_is_predicted_from_the_others_within_the_required_pixels(
-    name: str, request: pytest.FixtureRequest
-) -> None:
+def test_every_point_is_predicted_from_the_others_within_the_required_pixels(name, request):
     case: Case = request.getfixturevalue(name)
     found = summary(errors_of(case.predictions))
     assert found["median"] <= LARGEST_MEDIAN
@@ -41,7 +34,7 @@ def test_every_point_is_predicted_from_the_others_within_the_required_pixels(
 
 
 @pytest.mark.slow
-def test_the_fitted_camera_is_the_makers_with_a_barrel_lens_at_a_walking_robots_height(scenes: Case) -> None:
+def test_the_fitted_camera_is_the_makers_with_a_barrel_lens_at_a_walking_robots_height(scenes):
     height, hfov, vfov, k1, offset = scenes.fit.values
     assert height == pytest.approx(0.479, abs=0.015)
     assert hfov == pytest.approx(NAO_V4.hfov, abs=np.radians(2))
@@ -52,7 +45,7 @@ def test_the_fitted_camera_is_the_makers_with_a_barrel_lens_at_a_walking_robots_
 
 
 @pytest.mark.slow
-def test_no_marked_point_is_left_out(scenes: Case, walk: Case, data_dir: Path) -> None:
+def test_no_marked_point_is_left_out(scenes, walk, data_dir):
     for case, name in ((scenes, "scenes"), (walk, "straightwalk")):
         enough = [p for p in read_pictures(name, data_dir) if len(p.points) >= 4]  # type: ignore[arg-type]
         assert len(case.predictions) == sum(len(picture.points) for picture in enough)
@@ -62,18 +55,16 @@ def test_no_marked_point_is_left_out(scenes: Case, walk: Case, data_dir: Path) -
 
 
 @pytest.mark.slow
-def test_no_kind_of_point_is_marked_a_pixel_too_high_or_low(scenes: Case, walk: Case) -> None:
+def test_no_kind_of_point_is_marked_a_pixel_too_high_or_low(scenes, walk):
     for case in (scenes, walk):
         for kind, residuals in fit_residuals(case.fit).items():
             assert abs(np.median(residuals[:, 1])) < 1.0, kind
 
 
 @pytest.mark.slow
-def test_both_sets_agree_on_one_robot_when_its_pixels_are_square(data_dir: Path) -> None:
-    sets = (
-        read_pictures("scenes", data_dir),
-        reality.corrected_walk(read_pictures("straightwalk", data_dir)),
-    )
+def test_both_sets_agree_on_one_robot_when_its_pixels_are_square(data_dir):
+    walk = reality.corrected_walk(read_pictures("straightwalk", data_dir))
+    sets = read_pictures("scenes", data_dir), walk
     heights, hfovs = np.array([fit_set(pictures, Freedom(square=True)).values[:2] for pictures in sets]).T
     assert np.ptp(heights) < 0.005
     assert np.abs(heights - 0.479).max() < 0.005
@@ -81,20 +72,15 @@ def test_both_sets_agree_on_one_robot_when_its_pixels_are_square(data_dir: Path)
 
 
 @pytest.mark.slow
-def test_the_walks_first_seven_poses_are_one_stop_ahead_of_their_pictures(walk: Case, data_dir: Path) -> None:
+def test_the_walks_first_seven_poses_are_one_stop_ahead_of_their_pictures(walk, data_dir):
     """Where positions may move, the pictures themselves say so: by a stop at the eighth, by little after."""
     given = fit_set(read_pictures("straightwalk", data_dir), Freedom(position_sd=0.5))
     along = given.corrections[:, 3]
     before, after = along[: reality.WALK_BEFORE_THE_GAP], along[reality.WALK_BEFORE_THE_GAP :]
     assert np.median(after[:5]) - np.median(before) == pytest.approx(reality.WALK_STOP, abs=0.04)
     as_given = run_case("as given", read_pictures("straightwalk", data_dir))
-    assert (
-        summary(errors_of(as_given.predictions))["median"]
-        > 1.5 * summary(errors_of(walk.predictions))["median"]
-    )
-
-
-# --- made pictures: the measuring instrument itself ---
+    wrong, right = (summary(errors_of(case.predictions))["median"] for case in (as_given, walk))
+    assert wrong > 1.5 * right
 
 
 def made_pictures(values: np.ndarray, corrections: np.ndarray) -> tuple[RealPicture, ...]:
@@ -120,7 +106,7 @@ def truth(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     return values, corrections
 
 
-def test_points_without_noise_give_back_the_truth(truth: tuple[np.ndarray, np.ndarray]) -> None:
+def test_points_without_noise_give_back_the_truth_and_one_wild_point_does_not_spoil_it(truth):
     values, corrections = truth
     made = made_pictures(values, corrections)
     assert all(len(picture.points) >= reality.FEWEST_POINTS for picture in made)
@@ -128,10 +114,6 @@ def test_points_without_noise_give_back_the_truth(truth: tuple[np.ndarray, np.nd
     np.testing.assert_allclose(case.fit.values, values, atol=1e-4)
     np.testing.assert_allclose(case.fit.corrections, corrections, atol=1e-4)
     assert errors_of(case.predictions).max() < 0.02
-
-
-def test_one_wild_point_does_not_spoil_the_others(truth: tuple[np.ndarray, np.ndarray]) -> None:
-    made = made_pictures(*truth)
     first = made[0].points[0]
     wild = replace(made[0], points=(replace(first, u=first.u + 60, v=first.v - 40), *made[0].points[1:]))
     errors = errors_of(run_case("made", (wild, *made[1:])).predictions)
@@ -139,7 +121,7 @@ def test_one_wild_point_does_not_spoil_the_others(truth: tuple[np.ndarray, np.nd
     assert np.quantile(errors[1:], 0.95) < 0.5
 
 
-def test_the_fit_starts_from_the_makers_angles_without_any_lens() -> None:
+def test_the_fit_starts_from_the_makers_angles_without_any_lens():
     picture = RealPicture("made.png", Path(), Pose(), 0.1, -0.5, ())
     view, pose = reality.fitted_view(picture, reality.START, np.zeros(3))
     specified = NAO_V4.view("bottom", 0.1, -0.5)
@@ -148,9 +130,7 @@ def test_the_fit_starts_from_the_makers_angles_without_any_lens() -> None:
     assert pose == picture.pose
 
 
-def test_a_matched_landmark_is_of_the_points_kind_and_given_to_no_other_point(
-    truth: tuple[np.ndarray, np.ndarray],
-) -> None:
+def test_a_matched_landmark_is_of_the_points_kind_and_given_to_no_other_point(truth):
     values, corrections = truth
     for picture, correction in zip(made_pictures(values, corrections), corrections, strict=True):
         found = reality.match(picture, values, correction, gate=20.0)
