@@ -238,6 +238,7 @@ def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path)
         (["EDGE_SE2 7 8 1 0 0 1 0 0 1 0 1"], "vertex 7 has no VERTEX line, and no chain .* with vertex 2"),
         # A landmark has no heading, so no chain leads through it.
         (["EDGE_SE2_XY 7 1 1 0 1 0 1"], "vertex 7 has no VERTEX line, and no chain"),
+        (["EDGE_SE2 5 7 1 nan 0 1 0 0 1 0 1"], "line 6: expected numbers within .*number 2"),
         (["EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"], "line 5: vertex 1 must be a landmark, but it is a pose"),
         (["FIX 1"], "line 6: there is no pose 1"),
         (["VERTEX_SE2 2 0 0 0"], "there is no vertex 4"),
@@ -252,6 +253,7 @@ def test_edges_without_vertices_that_give_no_whole_guess_are_refused(tmp_path, m
     ("data", "message"),
     [
         (b"", "got an empty file"),
+        (b"# nothing\n\n", "no line begins with VERTEX_SE2"),
         (b"VERTEX_XY 1 2 3\n", "no line begins with VERTEX_SE2"),
         (b"VERTEX_SE2 0 \xff 0 0\n", "line 1: expected integers"),
         (b"\x93NUMPY" + bytes(200) + b"1", "is not text"),

@@ -73,11 +73,12 @@ def test_a_wrong_line_is_refused_with_its_file_and_number(tmp_path, line, to, me
     ("text", "message"),
     [
         ("", "empty file"),
+        (" \n \n", "empty file"),
         ("1 " * (LARGEST_LOG // 2 + 1), "got more"),
         ("1 2 " * 1001, "line 1: expected at most 1000 landmarks, got 1001"),
         ("\n".join(GOOD[:4]), "ends with a control"),
     ],
-    ids=["empty", "huge", "wide", "cut off"],
+    ids=["empty", "blank", "huge", "wide", "cut off"],
 )
 def test_a_wrong_file_is_refused_by_its_name(tmp_path, text, message):
     with pytest.raises(ValueError, match=rf"data\.txt.*{message}"):

@@ -106,6 +106,7 @@ def test_a_picture_without_points_is_a_picture_in_the_folder_of_the_environment(
         ({"y_m": 10**400}, "y_m must be a number"),
         ({"theta_deg": None}, "theta_deg must be a number"),
         ({"head_pitch_rad": -31.0}, "head_pitch_rad must be a number"),
+        ({"head_yaw_rad": {}}, "head_yaw_rad must be a number"),
         ({"points": ...}, "points must be a list"),
         ({"points": [{"kind": "X", "u": 1, "v": 1}] * 2000}, "points must be a list of at most 1000"),
         ({"points": [[1, 2]]}, "point 0: expected an object"),
