@@ -58,9 +58,8 @@ class Matched:
     picture: RealPicture
     pixels: FloatArray  # (N, 2): the points as they were marked
     landmarks: FloatArray  # (N, 3): of the field, metres
-    used: npt.NDArray[
-        np.bool_
-    ]  # (N,): whether the point is near enough to its landmark to take part in a fit
+    # (N,): whether the point is near enough to its landmark to take part in a fit
+    used: npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

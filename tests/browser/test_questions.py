@@ -24,7 +24,8 @@ _WRONG = """() => [...document.querySelectorAll('.nao-question')].filter(questio
     words.selectNodeContents(label);
     return own.bottom > (next?.top ?? Infinity)
       || box(words).bottom > own.bottom + 1 || box(words).right > own.right + 1
-      || circle.width < 8 || circle.left > own.left + 12 || circle.left < own.left - 1 || circle.right > own.right || circle.bottom > own.bottom;
+      || circle.width < 8 || circle.left > own.left + 12 || circle.left < own.left - 1
+      || circle.right > own.right || circle.bottom > own.bottom;
   });
 }).map(each => each.innerText)"""
 

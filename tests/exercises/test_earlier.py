@@ -468,10 +468,8 @@ def test_the_librarys_functions_have_the_answers_that_the_references_have():
         if each.use in IN_LIBRARY:
             found = known.in_library(each.use, tuple(each.given.values()), {})
             off = found.answer - each.answer
-            if each.use in (
-                "07:warp2pi",
-                "05:expected_measurement",
-            ):  # half a turn to the left or to the right
+            # Half a turn to the left or to the right
+            if each.use in ("07:warp2pi", "05:expected_measurement"):
                 off = np.where(np.abs(off) > 6, np.abs(off) - 2 * np.pi, off)
             np.testing.assert_allclose(off, 0, atol=1e-7)
             compared[each.use] += 1

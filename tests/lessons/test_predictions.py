@@ -91,6 +91,8 @@ FIGURES = {
         40,
         "heading (degrees)",
     ),
+    ("12_beyond", "ancestors_guess"): (lambda: empty("particles", ""), 50, 50, "particles"),
+    ("12_beyond", "blind_guess"): (lambda: empty("median (cm)", ""), 0.2, 20, "cm"),
 }
 
 

@@ -193,9 +193,8 @@ def without_numeric_warnings() -> Iterator[None]:
     """Silence what NumPy and SciPy report about a wrong implementation, such as a division by zero."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        warnings.filterwarnings(
-            "ignore", "Matrix is exactly singular"
-        )  # SciPy's warning is no RuntimeWarning
+        # SciPy gives this one as another kind of warning
+        warnings.filterwarnings("ignore", "Matrix is exactly singular")
         yield
 
 

@@ -44,10 +44,8 @@ def test_the_references_interval_is_right_and_is_scipys_and_equal_values_have_on
         (lambda v, p, rng: (1.0, 2.0, 3.0), r"shape (3,)"),
         (lambda v, p, rng: (np.nan, 2.0), "NaN"),
         (lambda v, p, rng: mean_interval(v, p), "same for every rng"),
-        (
-            lambda v, p, rng: (np.mean(rng.permutation(v)),) * 2,
-            "same for every rng",
-        ),  # but for the last digit
+        # But for the last digit
+        (lambda v, p, rng: (np.mean(rng.permutation(v)),) * 2, "same for every rng"),
         (lambda v, p, rng: OWN["bootstrap_interval"](v, p, np.random.default_rng()), "same rng"),
         (lambda v, p, rng: OWN["bootstrap_interval"](v, p, rng)[::-1], "above the upper"),
         (lambda v, p, rng: OWN["bootstrap_interval"](v, 0.8, rng), "is too high"),

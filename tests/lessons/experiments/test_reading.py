@@ -69,8 +69,6 @@ def test_what_is_recorded_beside_the_lesson_is_what_the_benchmark_found_in_the_p
     assert f"160 x 120, the same pixels: {best:.2f}" in alt and "Nothing costs 2.03" in alt
 
 
-
-
 def test_a_table_without_noise_agrees_with_itself_and_a_table_of_noise_does_not():
     alt = reading.draw_agreement(table()).alt
     assert alt.count("95 % from") == 5 and "The paper's with simulator, other rooms 0.51" in alt
@@ -91,10 +89,6 @@ def test_equal_means_are_equal_whatever_the_order_of_their_sum():
     one[SETTINGS[1]] = np.array([5.0, 5.0, 5.0])
     other = {key: float(key == SETTINGS[1]) for key in SETTINGS}
     assert reading.agreement(one, {"other": other})["other"][0] > 0.999
-
-
-
-
 
 
 def test_what_the_text_says_of_other_pictures_is_what_was_recorded():

@@ -46,9 +46,8 @@ def test_the_graph_of_a_drive_fits_its_truth_as_well_as_its_noise_says():
     """The mean of chi2 at the truth is one for each number that was measured."""
     residuals, found, numbers = (OWN["pose_residual"], OWN["landmark_residual"]), 0.0, 0
     for seed in range(10):
-        drive = ekf_and_graph.hall_drive(
-            seed, 80, Sigmas(0.1, 0.002, 0.01, 0.02, 0.05)
-        )  # along and across are far apart
+        # Along and across are far apart
+        drive = ekf_and_graph.hall_drive(seed, 80, Sigmas(0.1, 0.002, 0.01, 0.02, 0.05))
         squares = ekf_and_graph.drive_graph(drive).squared_errors(true_states(drive), *residuals)
         found, numbers = found + squares.sum(), numbers + 240 + 2 * (len(squares) - 80)
     assert found / numbers == pytest.approx(1.0, abs=0.05)
