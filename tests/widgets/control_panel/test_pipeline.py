@@ -170,7 +170,7 @@ def test_the_text_and_the_still_picture_say_what_was_seen():
     drawing = panel.drawing()
     assert "bottom camera, your bright" in {ax.get_title(loc="left") for ax in drawing.figure.axes}
     assert "3 bright" in drawing.alt
-    assert "corners" in panel.widget.children[1].value  # the line on top
+    assert "corners" in panel.widget.children[2].value  # the line on top
 
 
 def test_without_stages_there_is_no_button_and_no_view_to_choose():
