@@ -28,7 +28,7 @@ def test_there_are_many_kinds_of_odd_notebooks():
 
 # Lessons, and which share of the kinds is tried in them: all kinds in two lessons, and some in each lesson.
 TRIED = [
-    (QUICK, 4),
+    (QUICK, 8),
     pytest.param(QUICK, 1, marks=pytest.mark.slow),
     *(pytest.param([each], 72 if each == SLOWEST else 36, marks=pytest.mark.slow) for each in WITH_FUNCTIONS),
 ]

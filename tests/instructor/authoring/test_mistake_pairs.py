@@ -170,7 +170,7 @@ REAL = {
     "06": ["covariance_ellipse"],
     "07": ["predict"],
 }
-LONG = {"02", "03"}
+LONG = {"02", "03", "04"}
 
 
 @pytest.mark.parametrize(
