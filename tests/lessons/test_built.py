@@ -64,7 +64,7 @@ def test_rubric_8_the_committed_check_data_are_proven(name):
 
 @pytest.mark.slow
 # Proving all of them again would take a quarter of an hour.
-@pytest.mark.parametrize(("name", "prove"), [(name, name[:2] in ("02", "05")) for name in COURSE.names()])
+@pytest.mark.parametrize(("name", "prove"), [(name, name[:2] in ("04", "05")) for name in COURSE.names()])
 def test_what_is_committed_is_what_the_texts_say(name, prove):
     for path, content in build.build(COURSE, [name], solutions=False, prove=prove).files.items():
         there = (PROJECT / path).read_bytes()
@@ -140,7 +140,7 @@ def test_the_student_copy_and_the_executed_solution_are_those_of_the_text_which_
 
 @pytest.mark.slow
 # Running all of them twice would take a quarter of an hour.
-@pytest.mark.parametrize("name", COURSE.names(["01"]))
+@pytest.mark.parametrize("name", COURSE.names(["06"]))
 def test_building_twice_makes_the_same_bytes(name):
     assert build.build(COURSE, [name]).files == build.build(COURSE, [name], prove=True).files
 

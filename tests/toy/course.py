@@ -92,12 +92,18 @@ def lay_out(root: Path) -> Path:
 
 
 def lay_out_first_lessons(root: Path) -> list[str]:
-    """Copy the real course with its lessons 00 and 01, as they are built, and name them: to build all takes minutes."""
-    later = [f"{number:02}_*.*" for number in range(2, 100)]
-    for folder in ("nao_course", "solutions", "notebooks"):
-        shutil.copytree(PROJECT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__", *later))
+    """Copy the real course with its lessons 00 and 01, as they are built, and name them: to build all takes minutes.
+
+    The later lessons' modules are left out, too: the committed proof of lesson 01 does not rest on them.
+    """
+    names = sorted(path.stem for path in (PROJECT / "solutions").glob("*.ipynb"))
+    later = [f"{name[:2]}_*.*" for name in names[2:]]
+    packages = [part for name in names[2:] for part in (name.partition("_")[2], f"{name}.bin")]
+    for folder, left_out in (("solutions", later), ("notebooks", later), ("nao_course", packages)):
+        ignored = shutil.ignore_patterns("__pycache__", *left_out)
+        shutil.copytree(PROJECT / folder, root / folder, ignore=ignored)
     shutil.copy(PROJECT / "course.toml", root)
-    return sorted(path.stem for path in (root / "notebooks").glob("*.ipynb"))
+    return names[:2]
 
 
 def run(*words: str) -> Result:
