@@ -128,6 +128,17 @@ def test_rubric_5_three_to_nine_exercises_that_say_what_they_want(name):
 
 
 @each_lesson
+def test_rubric_5_no_docstring_is_cut_off_by_its_cell(name):
+    for _, cell in lesson_text.code_cells(solved(name)):
+        lines = cell.source.splitlines()
+        for node in ast.walk(ast.parse(lesson_text.python(cell))):
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node):
+                docstring = node.body[0]
+                longest = max(lines[docstring.lineno - 1 : docstring.end_lineno], key=len)
+                assert len(longest) <= 79, longest
+
+
+@each_lesson
 def test_rubric_6_difficulty_never_falls_and_the_text_says_it(name):
     numbers = {exercise.name: exercise.number for exercise in public(name).exercises}
     exercises = COURSE.plan(name).exercises
