@@ -12,7 +12,7 @@ import numpy.typing as npt
 from nao_course.geometry import FloatArray
 from nao_course.plotting import LANDMARK_MARKERS, ellipse_outlines, style_of
 
-Kind = Literal["path", "ellipses", "landmarks", "points", "curve", "lines", "cells", "cone"]
+Kind = Literal["path", "ellipses", "landmarks", "points", "curve", "lines", "cells", "cone", "axis", "wedge"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 # Numbers of one entry of a layer, and which of them are indices; the others are metres or radians
 WIDTHS: Mapping[Kind, int] = {
@@ -24,6 +24,8 @@ WIDTHS: Mapping[Kind, int] = {
     "lines": 4,  # both ends
     "cells": 2,  # centre
     "cone": 5,  # x, y, direction, half of the angle, reach
+    "axis": 5,  # x, y, direction, half axis that is claimed, error along it
+    "wedge": 5,  # x, y, estimated heading, half angle that is claimed, true minus estimated heading
 }
 INDICES: Mapping[Kind, tuple[int, ...]] = {"landmarks": (2,)}
 MARKS = tuple(LANDMARK_MARKERS)  # kinds of landmarks by their numbers
@@ -37,7 +39,8 @@ class Layer:
     Parameters
     ----------
     kind : str
-        What its numbers are: "path", "ellipses", "landmarks", "points", "curve", "lines", "cells" or "cone".
+        What its numbers are: "path", "ellipses", "landmarks", "points", "curve", "lines", "cells",
+        "cone", "axis" or "wedge"; a wedge is drawn in the lens only.
     frames : sequence of ndarray, shape (N, width of the kind)
         Numbers of each frame, in metres and radians. A path has those poses that are new in a frame. A layer that
         stands still has a single frame.

@@ -1,10 +1,11 @@
 // A map that is drawn from numbers: the field, paths with the robot at their end, ellipses, landmarks, rays and points.
 // The films and the live map share it. Lengths are in the scene's units (a millimetre), angles in milliradians.
 const NaoMap = (() => {
-  const WIDTHS = { path: 3, ellipses: 5, landmarks: 3, points: 2, curve: 2, lines: 4, cells: 2, cone: 5 };
-  const ANGLES = { path: [2], cone: [2] };
+  const WIDTHS = { path: 3, ellipses: 5, landmarks: 3, points: 2, curve: 2, lines: 4, cells: 2, cone: 5, axis: 5, wedge: 5 };
+  const ANGLES = { path: [2], cone: [2], axis: [2], wedge: [2] };
   const TURN = 2000 * Math.PI;
   const LENS = 58, REACHES = [50, 100, 200, 500, 1000], ENLARGES = 1.5; // px, mm around the robot, least magnification
+  const WIDER = [100, 50, 20, 10, 5, 2, 1], WIDEST = 1200; // magnifications of angles, and the widest angle in the lens
   const LINE = 1.8, ROBOT = 5.5, LANDMARK = 4.5, MARGIN = { left: 34, right: 14, top: 8, bottom: 22 };
 
   // --- numbers between two frames ---
@@ -96,6 +97,15 @@ const NaoMap = (() => {
     c.lineWidth = width; c.lineJoin = "round"; c.stroke();
   };
 
+  const strokes = (c, lines, width, colour, rim) => {
+    c.lineCap = "round"; c.lineJoin = "round";
+    for (const [tone, more] of [[rim, 2], [colour, 0]]) {
+      c.beginPath();
+      for (const line of lines) line.forEach(([u, v], i) => i ? c.lineTo(u, v) : c.moveTo(u, v));
+      c.lineWidth = width + more; c.strokeStyle = tone; c.stroke();
+    }
+  };
+
   const robot = (c, view, layer, [x, y, angle], tone) => {
     const u = view.x(x), v = view.y(y), cos = Math.cos(angle / 1000), sin = Math.sin(angle / 1000), reach = 3.2 * ROBOT;
     for (const [colour, width] of [[tone.rim, 4.6], [tone.of(layer), 2.6]]) {
@@ -160,6 +170,35 @@ const NaoMap = (() => {
         if (layer.texts) { c.textAlign = "left"; c.textBaseline = "alphabetic"; c.fillStyle = tone.text; c.font = "12px system-ui, sans-serif"; c.fillText(layer.texts[i / 2] ?? "", u + 6, v - 6); }
       }
     },
+    // The half axis that is claimed, to both sides, and beside it the error: both have the scale of the map.
+    axis(c, view, layer, value, tone) {
+      for (let i = 0; i < value.length; i += 5) {
+        const [x, y, angle, claimed, error] = value.slice(i, i + 5), half = claimed * view.scale, off = error * view.scale;
+        if (half + off < 10) continue;
+        c.save();
+        c.translate(view.x(x), view.y(y)); c.rotate(-angle / 1000);
+        strokes(c, [[[-half, -5], [-half, 5]], [[-half, 0], [half, 0]], [[half, -5], [half, 5]]], 3, tone.of(layer), tone.rim);
+        strokes(c, [[[0, 0], [0, 11]], [[0, 9], [off, 9]], [[off - 5, 5], [off, 9], [off - 5, 13]]], 1.6, tone.of(layer), tone.rim);
+        c.restore();
+      }
+    },
+    // The headings that are claimed, and the true one; both angles are magnified, because they are often small.
+    wedge(c, view, layer, value, tone) {
+      if (!view.wedge) return;
+      const [x, y, angle, claimed, error] = value, r = view.wedge.radius, colour = tone.of(layer);
+      const [half, off] = [claimed, error].map(each => each * view.wedge.wider / 1000);
+      c.save();
+      c.translate(view.x(x), view.y(y)); c.rotate(-angle / 1000);
+      c.beginPath(); c.moveTo(0, 0); c.arc(0, 0, r, -half, half); c.closePath();
+      c.fillStyle = translucent(colour, 0.3); c.fill();
+      c.lineWidth = 1.6; c.strokeStyle = colour; c.stroke();
+      c.rotate(-off);
+      c.setLineDash([4, 3]);
+      strokes(c, [[[0, 0], [r, 0]]], 1.6, colour, tone.rim);
+      c.setLineDash([]);
+      strokes(c, [[[r - 6, -4], [r, 0], [r - 6, 4]]], 1.6, colour, tone.rim);
+      c.restore();
+    },
     path(c, view, layer, { poses, upto }, tone) {
       if (!poses.length) return;
       const whole = Math.min(Math.floor(upto), poses.length / 3 - 1);
@@ -212,7 +251,8 @@ const NaoMap = (() => {
 
   // --- the legend ---
 
-  const SAMPLES = { path: [0, 0, 1200], cone: [0, 0, 0, 400, 900], cells: [0, 0], ellipses: [0, 0, 450, 0, 260] };
+  const SAMPLES = { path: [0, 0, 1200], cone: [0, 0, 0, 400, 900], cells: [0, 0], ellipses: [0, 0, 450, 0, 260],
+    axis: [-200, 120, 0, 240, 640], wedge: [-400, 0, 0, 350, 900] };
   const key = (layer, tone) => {
     const canvas = document.createElement("canvas"), ratio = devicePixelRatio || 1, width = 34, height = 18;
     canvas.width = width * ratio; canvas.height = height * ratio;
@@ -239,7 +279,7 @@ const NaoMap = (() => {
     } else if (layer.kind === "cells") DRAW.cells(c, view, { ...layer, side: 480 }, SAMPLES.cells, tone);
     else if (layer.kind === "points" && (layer.size ?? LANDMARK) < 2) DRAW.points(c, view, layer, [-240, 80, 40, -160, 200, 120], tone);
     else if (layer.kind === "points") marker(c, layer.marker, width / 2, height / 2, 4, tone.of(layer), tone.rim, layer.open);
-    else DRAW[layer.kind](c, view, layer, SAMPLES[layer.kind], tone);
+    else DRAW[layer.kind](c, { ...view, wedge: { radius: 20, wider: 1 } }, layer, SAMPLES[layer.kind], tone);
     return canvas;
   };
 
@@ -309,8 +349,9 @@ const NaoMap = (() => {
       const i = this.scene.layers.findIndex(each => each.lens), [x, y, a, b, d] = this.values[i] ?? [];
       const others = this.scene.layers.flatMap((each, j) => each.lensed && this.isShown(j) ? [this.values[j].poses.slice(-3)] : []);
       const needs = Math.max(1.1 * Math.hypot(a, b, d), ...others.map(([u, v]) => 1.3 * Math.hypot(u - x, v - y)));
-      const reach = REACHES.find(each => each >= needs);
-      this.lens.hidden = !reach || LENS / reach < ENLARGES * scale;
+      const wedge = this.scene.layers.flatMap((each, j) => each.kind === "wedge" && this.isShown(j) ? [this.values[j]] : [])[0];
+      const reach = REACHES.find(each => each >= needs) ?? (wedge && REACHES.at(-1));
+      this.lens.hidden = !reach || (LENS / reach < ENLARGES * scale && !wedge);
       if (this.lens.hidden) return;
       const [canvas, caption] = this.lens.children, ratio = devicePixelRatio || 1, size = 2 * LENS;
       canvas.width = canvas.height = size * ratio; // also clears it
@@ -319,10 +360,12 @@ const NaoMap = (() => {
       c.scale(ratio, ratio);
       c.beginPath(); c.arc(LENS, LENS, LENS - 1, 0, 2 * Math.PI); c.clip();
       c.fillStyle = tone.paper; c.fillRect(0, 0, size, size);
-      this.drawContents(c, { scale: near, x: u => LENS + (u - x) * near, y: v => LENS - (v - y) * near }, tone);
+      const wider = wedge && (WIDER.find(each => each * Math.max(wedge[3], Math.abs(wedge[4])) <= WIDEST) ?? 1);
+      this.drawContents(c, { scale: near, x: u => LENS + (u - x) * near, y: v => LENS - (v - y) * near,
+        wedge: { radius: LENS - 6, wider } }, tone);
       c.beginPath(); c.arc(LENS, LENS, LENS - 1, 0, 2 * Math.PI);
       c.lineWidth = 2; c.strokeStyle = tone.text; c.stroke();
-      const words = `${reach / 10} cm around the estimate, enlarged`;
+      const words = `${reach / 10} cm around the estimate, enlarged${wider > 1 ? `; angles ${wider} × as wide` : ""}`;
       if (caption.textContent !== words) caption.textContent = words;
     }
     legendEntries() {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +11,7 @@ import numpy as np
 from nao_course.geometry import FloatArray, Pose, pose_errors
 from nao_course.metrics import band, squared_distances
 from nao_course.slam import Estimate
+from nao_course.widgets.vector_map import ShortAxis
 
 PROBABILITY = 0.95  # of the ellipse, and of the band for the NEES
 LEAST_VARIANCE = 1e-8  # m^2 or rad^2: a smaller one belongs to a value that is known or not estimated
@@ -19,11 +19,6 @@ LEAST_LENGTH = 0.005  # m: a shorter one is shown as "< 1 cm"
 _CIRCLE = float(-2 * np.log(1 - PROBABILITY))  # squared radius of a standard normal's circle, two dimensions
 
 Verdict = Literal["", "consistent", "overconfident", "underconfident"]
-_SIZES: Mapping[str, str] = {
-    "consistent": "as large as",
-    "overconfident": "larger than",
-    "underconfident": "smaller than",
-}
 
 
 @dataclass(frozen=True)
@@ -31,15 +26,17 @@ class Accuracy:
     """The accuracy of an estimated pose: the distance from the true position, m, and the NEES of its `degrees` values.
 
     `radius` is the longest half axis of the position's 95 % ellipse, m. Each is None if it cannot be computed or the
-    truth is hidden; values without a variance do not count. `worst` names the axis whose error is largest in units of
-    its standard deviation, with both: the error may be shorter than the longest half axis and still be too large.
+    truth is hidden; values without a variance do not count. `is_outside` says whether the position is outside its
+    ellipse, and `short` is the axis that is too small: the error may be shorter than the longest half axis and still be
+    too large.
     """
 
     error: float | None = None
     radius: float | None = None
     nees: float | None = None
     degrees: int = 0
-    worst: str = ""
+    is_outside: bool = False
+    short: ShortAxis | None = None
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -82,28 +79,66 @@ def accuracy(estimate: Estimate | Pose, truth: Pose | None) -> Accuracy:
         return Accuracy(error, radius)
     if nees < 0:
         return Accuracy(error, radius)
-    return Accuracy(error, radius, nees, degrees, _worst_axis(errors, covariance, pose.theta))
+    is_outside = _ratio(_own_axis(errors, covariance)) > 1
+    return Accuracy(error, radius, nees, degrees, is_outside, _short_axis(errors, covariance, pose.theta))
 
 
-def _worst_axis(errors: FloatArray, covariance: FloatArray, heading: float) -> str:
-    """Return the errors' worst axis, with its error and what is claimed there; empty if no axis alone is too large."""
+def _short_axis(errors: FloatArray, covariance: FloatArray, heading: float) -> ShortAxis | None:
+    """Return the axis, or the heading, whose error exceeds what is claimed by the largest factor.
+
+    If each axis alone is large enough, but the position is outside the ellipse, the axis is the error's own direction.
+    None if the position is inside the ellipse and the heading inside its interval.
+    """
+    half = float(np.sqrt(_CIRCLE * max(covariance[2, 2], 0.0)))
+    found = [ShortAxis("of heading", heading, half, float(-errors[2]), is_heading=True)]
     variances, axes = np.linalg.eigh(covariance[:2, :2])
-    along = np.abs(axes.T @ (np.cos(heading), np.sin(heading))) > np.sqrt(0.5)
-    off = [*np.abs(axes.T @ errors[:2]), abs(errors[2])]
-    half = np.sqrt(_CIRCLE * np.maximum([*variances, covariance[2, 2]], 0.0))
-    ratios = [
-        error / size if size**2 > _CIRCLE * LEAST_VARIANCE else 0.0
-        for error, size in zip(off, half, strict=True)
-    ]
-    worst = int(np.argmax(ratios))
-    if ratios[worst] < 1:
-        return ""
-    if worst == 2:
-        error, claimed, where = f"{np.degrees(off[2]):.0f}°", f"{np.degrees(half[2]):.1f}°", "of heading"
+    for variance, axis in zip(variances, axes.T, strict=True):
+        is_along = abs(axis @ (np.cos(heading), np.sin(heading))) > np.sqrt(0.5)
+        name = "along the heading" if is_along else "across the heading"
+        found.append(_position_axis(name, axis, np.sqrt(_CIRCLE * max(variance, 0.0)), errors))
+    worst = max(found, key=_ratio)
+    if _ratio(worst) <= 1:
+        worst = _own_axis(errors, covariance)
+    return worst if _ratio(worst) > 1 else None
+
+
+def _position_axis(name: str, axis: FloatArray, claimed: float, errors: FloatArray) -> ShortAxis:
+    """Return an axis (2,) of the position's ellipse, turned toward the true position."""
+    off = float(-errors[:2] @ axis)
+    toward = axis if off > 0 else -axis
+    return ShortAxis(name, float(np.arctan2(toward[1], toward[0])), float(claimed), abs(off))
+
+
+def _own_axis(errors: FloatArray, covariance: FloatArray) -> ShortAxis:
+    """Return the position's error in its own direction, beside the ellipse's extent there; 0 if that is unknown."""
+    distance, block = np.hypot(*errors[:2]), covariance[:2, :2]
+    if distance == 0 or np.linalg.eigvalsh(block)[0] <= LEAST_VARIANCE:
+        return _position_axis("in its direction", np.array([1.0, 0.0]), 0.0, errors)
+    own = errors[:2] / distance
+    return _position_axis(
+        "in its direction", own, np.sqrt(_CIRCLE / (own @ np.linalg.solve(block, own))), errors
+    )
+
+
+def _ratio(axis: ShortAxis) -> float:
+    """Return an axis' error divided by what is claimed; 0 for a value that is known or not estimated."""
+    return abs(axis.error) / axis.claimed if axis.claimed**2 > _CIRCLE * LEAST_VARIANCE else 0.0
+
+
+def _say_short(short: ShortAxis) -> str:
+    """Say which axis is too small, with enough digits to show that the error is larger than what is claimed.
+
+    >>> _say_short(ShortAxis("along the heading", 0.0, 0.012, 0.014))
+    '1.4 cm along the heading, where ± 1.2 cm is claimed'
+    """
+    if short.is_heading:
+        factor, unit, digits = 180 / np.pi, "°", 1
     else:
-        error, claimed = say_length(off[worst]), say_length(half[worst])
-        where = "along the heading" if along[worst] else "across the heading"
-    return f"{error} {where}, where ± {claimed} is claimed".replace("± <", "<")
+        factor, unit, digits = (1.0, " m", 2) if short.error >= 0.995 else (100.0, " cm", 0)
+    error, claimed = factor * abs(short.error), factor * short.claimed
+    while float(f"{claimed:.{digits}f}") == 0 or f"{error:.{digits}f}" == f"{claimed:.{digits}f}":
+        digits += 1
+    return f"{error:.{digits}f}{unit} {short.name}, where ± {claimed:.{digits}f}{unit} is claimed"
 
 
 def _is_covariance(matrix: FloatArray) -> bool:
@@ -141,9 +176,7 @@ def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
     title = ""
     if shown.nees is not None:
         low, high = shown.bounds
-        why = f"error {_SIZES[shown.verdict]} the ellipse says; NEES {_digits(shown.nees)}"
-        if shown.verdict == "overconfident" and shown.worst:
-            why = f"{shown.worst}; NEES {_digits(shown.nees)}"
+        why = f"{_why(shown)}; NEES {_digits(shown.nees)}"
         title = (
             f"NEES, the normalised estimation error squared, measures the error in units of the estimated covariance. "
             f"Here 95 % of consistent estimates have a NEES from {low:.1f} to {high:.1f}."
@@ -157,6 +190,15 @@ def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
         + _tile("How uncertain?", *uncertain)
         + _tile("Consistent?", *fits, kind=good, title=title)
     )
+
+
+def _why(shown: Accuracy) -> str:
+    """Say why an estimate has its verdict, so that this does not seem to contradict the other two numbers."""
+    if shown.verdict == "overconfident":
+        return _say_short(shown.short) if shown.short else "position and heading do not fit together"
+    if shown.verdict == "underconfident":
+        return "error smaller than the ellipse says"
+    return "outside the ellipse, as 1 of 20 is" if shown.is_outside else "error as large as the ellipse says"
 
 
 def _digits(value: float) -> str:

@@ -65,7 +65,7 @@ _CSS = """
 .nao-cockpit .nao-tile small { display: block; font-size: 11px; line-height: 14px; overflow: hidden;
   text-overflow: ellipsis; }
 .nao-cockpit .nao-good { border-left-color: #1f9d61; }
-.nao-cockpit .nao-bad { border-left-color: #d9480f; }
+.nao-cockpit .nao-bad { border-left-color: #b3001b; }
 .nao-cockpit .nao-stage { --h: clamp(150px, (100cqw - 109px) / 2.15, 400px); display: grid; gap: 12px;
   height: var(--h); grid-template-columns: calc(var(--h) * 4 / 3) minmax(0, 1fr); }
 .nao-cockpit .nao-stage > * { margin: 0; height: var(--h); overflow: visible; }

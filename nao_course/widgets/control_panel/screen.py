@@ -9,10 +9,9 @@ from typing import Any, Literal
 import numpy as np
 
 from nao_course._internal.counts import say_count
-from nao_course.geometry import Pose
 from nao_course.plotting import Drawing
 from nao_course.slam import Estimate
-from nao_course.widgets.control_panel.accuracy import accuracy, numbers_html, say_length
+from nao_course.widgets.control_panel.accuracy import Accuracy, accuracy, numbers_html, say_length
 from nao_course.widgets.control_panel.cockpit import CAMERAS, LIVE_SIZE, Cockpit
 from nao_course.widgets.control_panel.controls import Controls
 from nao_course.widgets.control_panel.pipeline import VIEWS
@@ -101,12 +100,13 @@ class Screen:
         _show(self._controls.facts, f'<div class="nao-facts"><ul>{facts}</ul></div>')
 
     def _show_numbers(self) -> None:
+        shown, estimated = self._accuracy(), self.estimate() is not None
+        _show(self._controls.numbers, numbers_html(shown, self._cockpit.truth is not None, estimated))
+
+    def _accuracy(self) -> Accuracy:
         cockpit = self._cockpit
         truth = cockpit.truth.pose if self._with_truth and cockpit.truth is not None else None
-        estimated = self.estimate() or cockpit.odometry[-1]
-        shown = accuracy(estimated, truth)
-        numbers = numbers_html(shown, cockpit.truth is not None, not isinstance(estimated, Pose))
-        _show(self._controls.numbers, numbers)
+        return accuracy(self.estimate() or cockpit.odometry[-1], truth)
 
     def _finish(self) -> str:
         """Return what is complete and what it took; empty if nothing is."""
@@ -209,6 +209,7 @@ class Screen:
             paths[self._source] = own.path
         observer = self._source if paths.get(self._source) else "odometry"
         view = cockpit.pictures[self._camera].view
+        shown = self._accuracy()
         return MapContents(
             {name: tuple(path) for name, path in paths.items()},
             estimate,
@@ -217,6 +218,7 @@ class Screen:
             own.latest.points,
             own.latest.cells,
             (view.yaw, view.hfov / 2),
+            shown.short if shown.verdict == "overconfident" else None,
         )
 
 

@@ -14,6 +14,31 @@ _NO_POINTS = np.empty((0, 2))
 
 
 @dataclass(frozen=True)
+class ShortAxis:
+    """An axis of an estimate's 95 % ellipse that is too small for the error, or a heading that is too certain.
+
+    Parameters
+    ----------
+    name : str
+        Which axis it is: "across the heading".
+    direction : float
+        Direction of the axis in the world, toward the true position; of a heading, the estimated heading. rad
+    claimed : float
+        Half axis of the ellipse, m, or half of the 95 % interval of the heading, rad.
+    error : float
+        Error along the axis, m; of a heading, the true minus the estimated one, rad.
+    is_heading : bool
+        Whether it is the heading.
+    """
+
+    name: str
+    direction: float
+    claimed: float
+    error: float
+    is_heading: bool = False
+
+
+@dataclass(frozen=True)
 class MapContents:
     """The contents of a map at one time.
 
@@ -34,6 +59,8 @@ class MapContents:
     view : (float, float) or None
         Direction and half of the opening angle of the camera's view, in the frame of that robot, rad. A `VectorMap`
         draws it as a cone.
+    short : ShortAxis or None
+        The axis of the estimate that is too small. A `VectorMap` draws it with the error beside it.
     """
 
     paths: Mapping[str, Sequence[Pose]]
@@ -43,6 +70,7 @@ class MapContents:
     points: FloatArray = field(default_factory=lambda: _NO_POINTS)
     cells: FloatArray = field(default_factory=lambda: _NO_POINTS)
     view: tuple[float, float] | None = None
+    short: ShortAxis | None = None
 
     @property
     def observer_pose(self) -> Pose:

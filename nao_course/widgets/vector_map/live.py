@@ -33,7 +33,7 @@ CELL = 0.1  # m: side of a grid cell
 FARTHEST = 1e4  # m; nothing beyond it is sent
 VIEW_REACH = 1.6  # m: length of the view cone on the map
 KINDS_IN_LEGEND = ("corners", "goal posts", "crosses")  # in the order of LANDMARK_MARKERS
-FRONTIER, VIEW = "#7a35d0", "#fffbe0"
+FRONTIER, VIEW, TOO_SMALL = "#7a35d0", "#fffbe0", "#b3001b"
 _RENDER = """
 export default {
   render({ model, el }) {
@@ -168,6 +168,8 @@ class VectorMap:
                 f"path {source}": path_layer(source, [None], name, lensed=source == "truth")
                 for source, name in self._names.items()
             },
+            "axis": Layer("axis", [np.empty((0, 5))], TOO_SMALL, "axis too small, and the error"),
+            "wedge": Layer("wedge", [np.empty((0, 5))], TOO_SMALL, "heading too certain, and the true one"),
         }
         return [
             Layer(each.kind, each.frames, each.colour, each.label, name, each.appearance)
@@ -196,7 +198,12 @@ class VectorMap:
             else landmark_numbers(estimate.landmarks, estimate.kinds),
             "seen": landmark_numbers(ends, kinds),
             "points": pose.to_parent(contents.points) if len(contents.points) else np.empty((0, 2)),
+            "axis": np.empty((0, 5)),
+            "wedge": np.empty((0, 5)),
         }
+        if estimate is not None and (short := contents.short) is not None:
+            row = (estimate.pose.x, estimate.pose.y, short.direction, short.claimed, short.error)
+            frames["wedge" if short.is_heading else "axis"] = np.array([row])
         return {name: layer_numbers(self._kinds[name], _drawable(frame)) for name, frame in frames.items()}
 
     # --- messages ---

@@ -1,11 +1,19 @@
 """The three numbers of the control panel: laws of a consistent estimate, and what is not known is not shown."""
 
+import re
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from nao_course.geometry import Pose
-from nao_course.slam import Estimate
+from nao_course.sim import Truth
+from nao_course.slam import DeadReckoning, Estimate
+from nao_course.widgets import ControlPanel
 from nao_course.widgets.control_panel.accuracy import accuracy, numbers_html, say_length
+from nao_course.widgets.vector_map import ShortAxis
+from tests.widgets.robots import clean_nao
 
 COVARIANCE = np.array([[0.04, 0.01, 0.002], [0.01, 0.02, 0.001], [0.002, 0.001, 0.01]])
 DRAWS = 2000
@@ -96,7 +104,7 @@ def test_lengths_are_whole_centimetres_up_to_a_metre(metres, said):
     [
         ((0.0, 0.05, 0.0), "5 cm across the heading, where ± 2 cm is claimed"),
         ((0.3, 0.0, 0.0), "30 cm along the heading, where ± 20 cm is claimed"),
-        ((0.0, 0.0, 0.2), "11° of heading, where ± 2.8° is claimed"),
+        ((0.0, 0.0, 0.2), "11.5° of heading, where ± 2.8° is claimed"),
     ],
 )
 def test_an_overconfident_estimate_names_the_axis_that_is_too_small(off, said):
@@ -107,3 +115,53 @@ def test_an_overconfident_estimate_names_the_axis_that_is_too_small(off, said):
     J = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     shown = accuracy(estimate(at.as_array(), J @ covariance @ J.T), turn)
     assert shown.verdict == "overconfident" and said in numbers_html(shown, True, True)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.5, 6.0))
+def test_whatever_is_called_overconfident_is_outside_of_what_is_drawn_and_said(seed, factor):
+    """The axis points to the truth's side, has the ellipse's extent there, and its numbers differ as printed."""
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(3, 3)) * (0.05, 0.05, 0.02)
+    covariance = root @ root.T + 1e-7 * np.eye(3)
+    off = factor * np.linalg.cholesky(covariance) @ rng.normal(size=3)
+    off[2] = np.clip(off[2], -1.0, 1.0)
+    shown = accuracy(estimate((1.0, 2.0, 0.4), covariance), Pose(*(np.array([1.0, 2.0, 0.4]) + off)))
+    short, said = shown.short, numbers_html(shown, True, True)
+    if shown.verdict == "overconfident" and short is None:
+        assert "position and heading do not fit together" in said and not shown.is_outside
+    if short is None:
+        return
+    assert abs(short.error) > short.claimed
+    if short.is_heading:
+        assert (short.direction, short.error) == pytest.approx((0.4, off[2]))
+        assert short.claimed == pytest.approx(np.sqrt(5.991 * covariance[2, 2]), rel=1e-3)
+    else:
+        u = np.array([np.cos(short.direction), np.sin(short.direction)])
+        assert short.error == pytest.approx(u @ off[:2]) and shown.is_outside
+        reach = np.sqrt(5.991 / (u @ np.linalg.inv(covariance[:2, :2]) @ u))
+        assert short.claimed == pytest.approx(reach, rel=1e-3)
+    if shown.verdict == "overconfident":
+        error, claimed = re.search(r"<small>([\d.]+) ?(?:c?m|°) .*, where ± ([\d.]+)", said).groups()
+        assert float(error) > float(claimed) > 0
+
+
+def test_an_error_just_outside_of_the_ellipse_may_be_consistent_and_the_tile_says_so():
+    covariance = np.diag([0.1, 0.1, 0.05]) ** 2
+    html = numbers_html(accuracy(estimate((0.27, 0.0, 0.0), covariance), Pose()), True, True)
+    assert "<b>27 cm</b>" in html and "<b>± 24 cm</b>" in html and "<b>consistent</b>" in html
+    assert "outside the ellipse, as 1 of 20 is" in html
+
+
+def test_the_panel_draws_the_axis_that_is_too_small_while_it_shows_the_truth():
+    class Sure(DeadReckoning):
+        def estimate(self):
+            return estimate((0.0, 0.06, 0.0), np.diag([0.05, 0.01, 0.01]) ** 2)
+
+    nao = clean_nao()
+    panel = ControlPanel(nao, Truth(nao), Sure())
+    short = panel._screen.contents().short
+    assert short == ShortAxis(
+        "across the heading", pytest.approx(-np.pi / 2), pytest.approx(0.0245, abs=1e-4), pytest.approx(0.06)
+    )
+    panel.show_truth = False
+    assert panel._screen.contents().short is None

@@ -7,7 +7,7 @@ from nao_course.geometry import Pose
 from nao_course.plotting import STYLES
 from nao_course.sim import Field
 from nao_course.slam import Estimate, Measurement
-from nao_course.widgets.vector_map import MapContents, VectorMap
+from nao_course.widgets.vector_map import MapContents, ShortAxis, VectorMap
 
 PATH = [Pose(0.1 * number, 0.0, 0.2) for number in range(6)]
 ESTIMATE = Estimate(PATH[-1], np.diag([0.01, 0.02, 0.01]), [(3.0, 0.7)], [np.diag([0.01, 0.04])], ("post",))
@@ -100,6 +100,17 @@ def test_an_ellipse_without_a_valid_covariance_is_left_out(live):
     unknown = Estimate(PATH[0], np.full((3, 3), np.nan), [(3.0, 0.7)], [np.eye(2)], ("post",))
     live.update(MapContents({"truth": PATH}, unknown))
     assert len(live.sent[-1]["layers"]["ellipses"]) == 5
+
+
+def test_an_axis_that_is_too_small_is_sent_with_its_error_and_a_heading_as_a_wedge(live):
+    at = [500, 0]
+    for is_heading, name, other in ((False, "axis", "wedge"), (True, "wedge", "axis")):
+        short = ShortAxis("across the heading", -1.2, 0.02, 0.05, is_heading)
+        live.update(MapContents({"truth": PATH}, ESTIMATE, short=short))
+        layers = everything(live)
+        assert layers[name] == [*at, -1200, 20, 50] and layers[other] == []
+    live.update(MapContents({"truth": PATH}, ESTIMATE))
+    assert everything(live)["wedge"] == []
 
 
 def test_words_say_where_each_robot_is(live):
