@@ -6,8 +6,9 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from nao_course.exercises.lesson_names import number_of
 from nao_course.student.notebooks import notebooks_folder
-from nao_course.student.stages import all_stages, readiness
+from nao_course.student.stages import all_stages, any_ready, readiness, split_after
 
 if TYPE_CHECKING:  # these modules take long to import, and the command line does not need them
     from nao_course.sim import SimulatedNao, Truth
@@ -20,10 +21,13 @@ def my_nao(
     nao: SimulatedNao | None = None,
     truth: Truth | None = None,
     *,
+    upto: str = "",
     time_limit: float | None = None,
     **own: Callable[..., Any],
 ) -> ControlPanel:
     """Return the control panel of your robot, which runs all functions that you have solved.
+
+    With `upto` it runs those of the first lessons, so that a lesson shows the same robot when later ones are solved.
 
     Each function is taken from this notebook if it passes its public checks there, else from your saved notebooks. The
     panel lists the functions that are missing or do not pass, and drives without them.
@@ -34,6 +38,8 @@ def my_nao(
         The robot; by default a robot in front of the goal, the same each time.
     truth : Truth, optional
         Truth about this robot; without `nao` it is made automatically.
+    upto : str
+        Number of the last lesson whose functions run, such as "06"; by default all lessons.
     time_limit : float, optional
         Seconds for your code and one picture; slower code is stopped, and the panel continues without it.
     **own : callable
@@ -47,7 +53,7 @@ def my_nao(
     Raises
     ------
     ValueError
-        If `nao` is not a robot, or no stage of the robot uses a function's name.
+        If `nao` is not a robot, there is no lesson `upto`, or no stage of the robot uses a function's name.
     """
     from nao_course.geometry import Pose
     from nao_course.sim import SimulatedNao, Truth
@@ -55,22 +61,25 @@ def my_nao(
     from nao_course.widgets.control_panel import Pipeline
     from nao_course.widgets.control_panel.pipeline import PICTURE_LIMIT
 
+    stages, later = split_after(all_stages(), upto)
     if nao is None:
         nao = SimulatedNao(pose=Pose(0.6, 0.5, -0.25), rng=SEED)
         truth = Truth(nao)
-    stages = all_stages()
     names = {use.rpartition(":")[2] for stage in stages for use in (*stage.uses, *stage.helped_by)}
     if unknown := sorted(own.keys() - names):
         raise ValueError(
             f"no stage of the robot uses {', '.join(unknown)}; my_nao takes {', '.join(sorted(names))}"
         )
     given = {**_at_hand(names), **own}
-    found = readiness(stages, given, notebooks_folder())
+    folder = notebooks_folder()
+    found = readiness(stages, given, folder)
     saved = [name for name, function in found.functions.items() if given.get(name, function) is not function]
     remarks = [
         f"{name} of this notebook does not pass its check, so the saved version is used" for name in saved
     ]
     remarks += found.remarks
+    if any_ready(found, later, folder):
+        remarks.append(f"this is your robot after lesson {number_of(upto)}; my_nao() runs all your lessons")
     limit = PICTURE_LIMIT if time_limit is None else time_limit
     pipeline = Pipeline(found.stages, found.functions, nao, found.missing, limit, remarks)
     panel = ControlPanel(nao, truth, pipeline=pipeline)

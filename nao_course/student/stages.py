@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nao_course.exercises.checking import lessons
+from nao_course.exercises.checking import lessons, strict
 from nao_course.exercises.lesson_names import number_of
 from nao_course.student.notebooks import own_function, stored_result
 
@@ -56,6 +56,23 @@ def all_stages() -> list[Stage]:
         for module in modules
         if find_spec(module) and find_spec(f"{module}.stage")
     ]
+
+
+def split_after(stages: Sequence[Stage], upto: str) -> tuple[list[Stage], list[Stage]]:
+    """Return the stages of the lessons up to the number `upto`, and the later ones; all and none if it is empty."""
+    if upto not in {"", *map(number_of, lessons())}:
+        known = ", ".join(map(number_of, lessons()))
+        raise ValueError(f"upto must be the number of a lesson, as a text: {known}; got {upto!r}")
+    first = [stage for stage in stages if not upto or number_of(stage.lesson) <= upto]
+    return first, [stage for stage in stages if stage not in first]
+
+
+def any_ready(found: Readiness, later: Sequence[Stage], folder: Path) -> bool:
+    """Return whether a later stage is ready too, by stored results of earlier checks alone; False in a build."""
+    ready = len(found.stages)
+    for stage in () if strict() else later:
+        found = add_from_stored(found, stage, folder) or found
+    return len(found.stages) > ready
 
 
 def readiness(stages: Sequence[Stage], given: Mapping[str, Any], folder: Path) -> Readiness:

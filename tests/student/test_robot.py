@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from nao_course.student import my_nao, stages
+from nao_course.student import my_nao, stages, strip
 from nao_course.widgets.control_panel import Stage
 from tests.toy import toy
 from tests.widgets.robots import clean_nao
@@ -92,6 +92,22 @@ def test_a_later_stage_waits_for_the_one_that_it_needs_and_may_use_functions_of_
     assert stages.readiness([stage, later], {}, here).stages == (stage, later)
     later = Stage("map", "91_other", ("90:clamp",), stage.wire)
     assert list(stages.readiness([later], {}, here).functions) == ["clamp"]
+
+
+def test_the_robot_of_a_lesson_leaves_later_lessons_out_and_says_so(here, stage, monkeypatch):
+    monkeypatch.setattr(stages, "lessons", lambda: ["89_earlier", "90_toy"])
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    said = "this is your robot after lesson 89; my_nao() runs all your lessons"
+    assert said not in drive(upto="89").summary()  # nobody has checked the saved notebook yet
+    strip.so_far()
+    panel = drive(upto="89")
+    assert said in panel.summary() and "distances" not in panel.summary() and panel.view == "picture"
+    for all_of_them in (drive(), drive(upto="90")):
+        assert "✔ distances (90)" in all_of_them.summary() and said not in all_of_them.summary()
+    with pytest.raises(ValueError, match="no stage of the robot uses clamp"):
+        drive(upto="89", clamp=clamp)
+    with pytest.raises(ValueError, match="upto must be the number of a lesson"):
+        drive(upto="7")
 
 
 def test_the_default_robot_is_the_same_each_time_and_its_truth_is_known():

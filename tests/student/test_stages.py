@@ -31,6 +31,19 @@ def test_stages_use_exercises_that_there_are_and_come_after_those_that_they_need
         before.add(each.name)
 
 
+def test_a_lessons_robot_shows_the_result_of_its_own_stage_whatever_is_solved():
+    every = stages.all_stages()
+    for number, name in stages.PLANNED.items():
+        first, later = stages.split_after(every, number)
+        assert [*first, *later] == every and first[-1].name == name
+        own = first[-1]
+        shown = [each for each in first if each.estimates][-1:]
+        assert own in shown or not own.estimates
+    assert stages.split_after(every, "") == (every, [])
+    with pytest.raises(ValueError, match="upto must be the number of a lesson, as a text: 00, 01"):
+        stages.split_after(every, "6")
+
+
 def test_what_comes_next_is_the_first_that_is_not_ready():
     (labels, *_) = stages.all_stages()
     assert stages.next_planned([]) == ("01", "labels")

@@ -119,7 +119,7 @@ def test_an_overconfident_estimate_names_the_axis_that_is_too_small(off, said):
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.5, 6.0))
 def test_whatever_is_called_overconfident_is_outside_of_what_is_drawn_and_said(seed, factor):
-    """The axis points to the truth's side, has the ellipse's extent there, and its numbers differ as printed."""
+    # The axis points to the side of the truth, has the ellipse's extent there, and its printed numbers differ.
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(3, 3)) * (0.05, 0.05, 0.02)
     covariance = root @ root.T + 1e-7 * np.eye(3)
