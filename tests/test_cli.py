@@ -207,6 +207,7 @@ def run_as_student(folder, library, *commands):
     return json.loads(done.stdout)
 
 
+@pytest.mark.slow
 def test_a_students_side_needs_the_core_alone_and_the_instructors_says_what_it_misses(tmp_path):
     notebook = "00_meet_the_nao.ipynb"
     (tmp_path / "notebooks").mkdir()

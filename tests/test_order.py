@@ -5,6 +5,8 @@ import subprocess
 import sys
 from itertools import groupby
 
+import pytest
+
 from tests.changed import mirrors_of
 from tests.order import APART, FIRST, in_order, unit_of
 from tests.paths import PROJECT
@@ -40,6 +42,7 @@ def test_the_longest_begin_then_the_files_of_the_most_tests_and_none_is_lost():
     assert len(units) == len(set(units)) == 6
 
 
+@pytest.mark.slow
 def test_a_test_that_hangs_fails_once_and_the_others_run(tmp_path):
     (tmp_path / "conftest.py").write_text("from tests.conftest import pytest_xdist_make_scheduler\n")
     (tmp_path / "test_three.py").write_text(

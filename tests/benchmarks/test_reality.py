@@ -106,6 +106,7 @@ def truth(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     return values, corrections
 
 
+@pytest.mark.slow
 def test_points_without_noise_give_back_the_truth_and_one_wild_point_does_not_spoil_it(truth):
     values, corrections = truth
     made = made_pictures(values, corrections)

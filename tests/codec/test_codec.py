@@ -390,6 +390,7 @@ def lawful(data, limits=None):
         encode(value)
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(nodes(), st.binary(max_size=40))
 @example({"d": {"x": {"s": "\ud800"}}}, b"")
@@ -399,6 +400,7 @@ def test_a_frame_of_the_right_words_gives_what_can_be_sent_on_or_a_refusal(node,
     lawful(frame(json.dumps(node), body))
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(nodes(), st.binary(max_size=40), st.data())
 def test_a_key_that_is_given_twice_gives_a_value_or_a_refusal(node, body, data):
@@ -465,6 +467,7 @@ def filled(each, length):
     return frame('{"l":[' + ",".join([each] * (length // (len(each) + 1) - 2)) + "]}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", HOSTILE)
 def test_a_full_frame_takes_memory_by_the_limits_only(kind):
     data = filled(HOSTILE[kind], SMALL.header)

@@ -493,6 +493,7 @@ def test_a_function_whose_new_version_did_not_run_is_not_checked(check):
     assert report.lines[0] == "The cell that defines clamp did not run: SyntaxError, line 2: invalid syntax."
 
 
+@pytest.mark.slow
 def test_recorded_calls_are_read_when_they_are_needed_and_are_the_ones_that_were_packed():
     """They are most of a lesson's data, and a student whose earlier functions work needs none of them."""
     name = "11_slam_on_the_field"

@@ -460,6 +460,7 @@ def test_a_wrong_wrapping_is_named_and_the_check_goes_on_with_the_references(wro
     )
 
 
+@pytest.mark.slow
 def test_the_librarys_functions_have_the_answers_that_the_references_have():
     calls = [each for name in ("associate", "EkfSlam") for each in LESSON_11[name].earlier]
     known = Calls(calls)

@@ -65,6 +65,7 @@ def test_an_offset_is_found_within_its_stated_covariance(offset):
     assert np.degrees(own.mean) == pytest.approx(offset, abs=1.0)
 
 
+@pytest.mark.slow
 def test_the_errors_of_many_calibrations_agree_with_their_covariance():
     runs = 24
     offsets = np.random.default_rng(3).uniform((-8, -3), (8, 3), (runs, 2))

@@ -96,6 +96,7 @@ def test_the_pictures_of_a_stop_are_used_in_the_order_of_their_compasses(joint):
     assert slam.estimate() == alone.estimate()
 
 
+@pytest.mark.slow
 def test_what_is_estimated_does_not_depend_on_when_it_is_asked(joint):
     slams = [KidnapRecovery(joint(START)) for _ in range(2)]
     for stop in range(STOPS):
@@ -234,6 +235,7 @@ def test_what_was_mapped_between_the_kidnapping_and_the_alarm_is_not_on_the_map_
     assert len(slam.estimate().landmarks) == known
 
 
+@pytest.mark.slow
 def test_the_likelihood_of_a_filter_is_the_average_over_its_gaussian(joint, monkeypatch):
     slam, rng = KidnapRecovery(joint(START)), np.random.default_rng(5)
     pose = drive(slam, START, STOPS)

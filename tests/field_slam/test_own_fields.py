@@ -134,6 +134,7 @@ def test_only_what_is_as_wide_as_a_post_and_stands_on_the_carpet_is_a_post(foot,
     assert (marked == GOAL).any() == is_post
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "kinds"), [("2013", {"corner", "post"}), ("2025", {"corner", "post"}), ("lab", {"corner"})]
 )
@@ -158,6 +159,7 @@ def test_the_demo_says_what_differs_on_a_field_and_looks_for_posts_only_where_th
     assert "no goals" in report.field_in_words(LAB)[0]
 
 
+@pytest.mark.slow
 def test_the_command_refuses_a_field_that_is_not_there_and_a_field_for_a_real_walk(tmp_path):
     for given, message in (
         (["--field", str(tmp_path / "none.toml")], "none.toml: the field cannot be read"),

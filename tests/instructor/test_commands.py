@@ -119,6 +119,7 @@ def pair_course(tmp_path, course, monkeypatch):
     return made
 
 
+@pytest.mark.slow
 def test_earlier_work_comes_from_the_same_folder_or_an_earlier_run(pair_course, warm, tmp_path):
     first, second, grades = tmp_path / "first", tmp_path / "second", tmp_path / "grades"
     pair.write(first / "ada" / f"{pair.FIRST}.ipynb", pair.FIRST)
@@ -330,6 +331,7 @@ def test_points_can_be_given_by_hand_with_a_reason(graded):
     assert "nearly" in page.read_text()
 
 
+@pytest.mark.slow
 def test_decisions_stay_with_the_answer_that_they_were_made_for(course, warm, tmp_path):
     grades, sheet = tmp_path / "grades", tmp_path / "grades" / "marking" / f"{chain.LESSON}_why.csv"
 

@@ -83,6 +83,7 @@ def test_labels_are_mostly_true_and_other_pixels_of_the_picture_stay_as_they_are
     assert not np.array_equal(shown[labels == 1], pixels[labels == 1])
 
 
+@pytest.mark.slow
 def test_a_field_without_a_yellow_goal_says_so():
     assert "no yellow goal" in panel_of("labels", SimulatedNao(Field(2025), rng=3)).summary()
 

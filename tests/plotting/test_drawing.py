@@ -14,6 +14,7 @@ from tests.drawings import assert_same_bytes_with_words
 from tests.plotting.examples import DRAWINGS, a_map
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWINGS)
 def test_the_same_drawing_is_the_same_bytes_with_its_words(name):
     assert_same_bytes_with_words(DRAWINGS[name])
@@ -49,6 +50,7 @@ def test_a_table_is_text_and_html_with_numbers_at_the_right():
     assert sides == ["left", "right", "right", "left"] * 2
 
 
+@pytest.mark.slow
 def test_a_drawing_is_marked_for_dark_pages_and_a_photograph_in_it_is_left_out():
     assert '<img class="nao-figure"' in a_map()._repr_html_()
     picture = np.full((40, 80, 3), (255, 0, 0), np.uint8)

@@ -196,6 +196,7 @@ def test_the_robot_stops_at_the_edge_of_the_carpet_and_a_moved_field_takes_it_al
     assert nao.take_picture().pixels.tobytes() == SimulatedNao(**EXACT).take_picture().pixels.tobytes()
 
 
+@pytest.mark.slow
 def test_a_picture_taken_while_walking_is_smeared_by_a_sway_about_all_three_axes(monkeypatch):
     def sharpness(walking, motion=1.0):
         nao = SimulatedNao(**(EXACT | {"reality": replace(Reality.clean(), motion=motion)}))

@@ -55,6 +55,7 @@ def test_a_cut_square_has_the_area_that_counting_gives(rng):
         assert got == pytest.approx(counted, abs=0.003)
 
 
+@pytest.mark.slow
 def test_no_move_of_the_world_shows_in_any_of_many_pictures(rng):
     for number in range(25):
         robot = Pose(*rng.uniform([0, -2, -3], [3, 2, 3]))
@@ -193,6 +194,7 @@ def test_each_effect_alone_changes_the_picture_and_at_zero_does_not(effect):
     assert (picture(replace(CLEAN, **{effect: strong.get(effect, 10.0)})) != clean).mean() > 0.0005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ["lab", "dark", "harsh"])
 def test_labels_and_landmarks_are_the_same_under_every_preset_but_for_what_lies_on_the_carpet(preset):
     pose, view = Pose(0.4, 0.3, 0.1), camera()
@@ -238,6 +240,7 @@ def test_things_on_the_carpet_hide_landmarks_behind_them_and_never_the_nearer_go
     assert hidden > 0
 
 
+@pytest.mark.slow
 def test_the_room_is_painted_behind_the_field_and_another_room_changes_nothing_on_it():
     pose, view = Pose(0.4, 0.3, 0.1), camera()
     clean, truth = render(Field(), pose, view, CLEAN)

@@ -36,6 +36,7 @@ def realities(monkeypatch):
     return seen
 
 
+@pytest.mark.slow
 def test_two_calls_give_the_same_bytes_and_the_sets_share_no_picture(sets):
     for number in range(0, 30, 6):  # one in each room
         once, again = sets["tune"][number], standard_scene("tune", number, (160, 120))
@@ -65,6 +66,7 @@ def test_no_set_shares_a_room_with_another_and_paper_lies_on_the_whole_field_alo
     assert papered == {"tune": {False}, "report": {False}, "whole_tune": {True}, "whole": {True}}
 
 
+@pytest.mark.slow
 def test_the_whole_field_is_seen_from_both_halves_to_all_sides_and_its_two_sets_share_no_place():
     one, other = (standard_scenes(which, (8, 6), Reality.clean()) for which in ("whole_tune", "whole"))
     assert not {s.truth.pose for s in one} & {s.truth.pose for s in other}
@@ -77,6 +79,7 @@ def test_the_whole_field_is_seen_from_both_halves_to_all_sides_and_its_two_sets_
         assert any(not s.truth.landmarks for s in scenes)
 
 
+@pytest.mark.slow
 def test_a_set_shows_as_many_corners_as_real_pictures_and_the_body_leans(sets):
     for scenes in sets.values():
         # 128 marked on 64 pictures, 94 on 30

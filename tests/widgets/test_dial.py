@@ -97,6 +97,7 @@ def test_the_sliders_are_in_groups_that_fold_and_none_is_called_as_only_code_cal
     assert "darker from above 1" in dial.summary() and "pile" not in dial.summary()
 
 
+@pytest.mark.slow
 def test_every_slider_says_what_it_does_where_it_is_and_while_it_is_moved():
     dial = RealityDial()
     sliders = [*dial._sliders.values(), dial._tilt]

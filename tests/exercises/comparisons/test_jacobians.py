@@ -326,6 +326,7 @@ def test_model_and_jacobian_in_the_wrong_order_are_named():
     assert "the model first" in LAW.compare(answer(MODEL, RIGHT), gathered(RIGHT, MODEL)).text
 
 
+@pytest.mark.slow
 def test_what_is_too_long_or_too_large_is_not_exact():
     assert not gathered(MODEL + Matrix([0, 0, sympy.exp(40)]), RIGHT)["exact"].any()
     padding = Matrix([0, 0, sympy.Add(*(cos(n * x) / n for n in range(1, 900)))])

@@ -10,6 +10,8 @@ from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.leaks import SMALLEST, WAY_OUT, find_leaks, fingerprints
 from tests.paths import PROJECT
 
+pytestmark = pytest.mark.slow
+
 COURSE = load_course(PROJECT)
 NOTEBOOK = "release/notebooks/01_hsl_filtering.ipynb"
 

@@ -96,6 +96,7 @@ def replan(solutions, changed):
         plan.write(f"\nimport dataclasses\nPLAN = LessonPlan([dataclasses.replace(CLAMP, {changed})])\n")
 
 
+@pytest.mark.slow
 def test_a_mutant_that_never_ends_is_caught(tmp_path, monkeypatch):
     monkeypatch.setattr(mutation, "SHARE", 0.05)
     slow = toy.solutions(tmp_path / "slow")

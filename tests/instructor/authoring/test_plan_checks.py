@@ -152,6 +152,7 @@ def waits(*args):
     return right_answer(*args)
 
 
+@pytest.mark.slow
 def test_a_solution_that_the_grader_would_stop_is_refused_and_time_of_others_is_not_its_own(
     plan, right, monkeypatch
 ):

@@ -200,6 +200,7 @@ print(*(each.__file__ for each in list(sys.modules.values()) if getattr(each, "_
 """
 
 
+@pytest.mark.slow
 def test_a_proof_loads_nothing_that_it_does_not_rest_on_and_parts_that_no_proof_loads_exist():
     words = [sys.executable, "-c", LOADED]
     ran = subprocess.run(words, cwd=PROJECT, capture_output=True, text=True, check=True)

@@ -84,6 +84,7 @@ def finished(built):
     return built
 
 
+@pytest.mark.slow
 def test_two_releases_of_one_course_are_the_same_bytes(finished, tmp_path, monkeypatch):
     problems = release.release_problems(finished, release.contents(finished, finished.names()))
     monkeypatch.setattr(release, "release_problems", lambda course, files: problems)
@@ -111,6 +112,7 @@ def test_a_course_that_was_built_on_another_processor_is_released_as_it_is(finis
         assert made.read("nao-course/nao_course/exercises/checks/01_toy.bin") == theirs
 
 
+@pytest.mark.slow
 def test_an_instructors_answer_in_a_release_is_refused(course):
     with_a_written_question(course)
     assert run("build").exit_code == 0

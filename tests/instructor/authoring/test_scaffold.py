@@ -20,6 +20,7 @@ from tests.toy.course import contents, run, write
 from website import lessons
 
 
+@pytest.mark.slow
 def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished(built):
     assert run("new", "lesson", "07", "ekf_slam").exit_code == 0
     for name in ("predict_it", "update_it"):
@@ -165,6 +166,7 @@ def test_a_new_lesson_begins_with_all_that_the_rules_ask_of_its_text(new_lesson)
     assert clean.returncode == 0, clean.stdout
 
 
+@pytest.mark.slow
 def test_a_new_lesson_whose_todos_are_done_gives_nothing_of_its_solution_away(new_lesson):
     for path in (new_lesson.text(NAME), new_lesson.declaration(NAME)):
         path.write_text(path.read_text().replace("TODO", "done"))

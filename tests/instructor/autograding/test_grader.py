@@ -253,6 +253,7 @@ FAILURES = {
 ONE_OF_EACH = {state: source for source, state in reversed(FAILURES.items())}.values()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", quickly(FAILURES, *ONE_OF_EACH), ids=lambda source: source[-40:])
 def test_each_failure_is_told_and_costs_only_its_own_exercise(marked, source):
     result = marked({"double": source}, seconds=1.0 if FAILURES[source] == "timed out" else AMPLE)
@@ -464,6 +465,7 @@ def test_all_tries_of_a_submission_have_its_time_together(warm_server, assignmen
     assert first is second and first.own[tries_module.LOADING].total > 0
 
 
+@pytest.mark.slow
 def test_what_one_exercise_uses_up_takes_nothing_from_the_others(marked, monkeypatch):
     monkeypatch.setattr(tries_module, "SECONDS_IN_ALL", 15.0)
     result = marked({"double": "import time\ndef double(x):\n    time.sleep(1000)"})
@@ -472,6 +474,7 @@ def test_what_one_exercise_uses_up_takes_nothing_from_the_others(marked, monkeyp
     assert "took too long together" in of(result, "double").text and "longer than" not in str(result)
 
 
+@pytest.mark.slow
 def test_what_could_not_be_run_is_not_called_slow_and_the_reason_is_named(marked, monkeypatch):
     monkeypatch.setattr(tries_module, "SECONDS_IN_ALL", 10.0)
     dies = {name: f"import os\ndef {name}(x):\n    os._exit(3)" for name in ("double", "plus_one")}
@@ -594,6 +597,7 @@ def test_an_answer_that_the_comparison_falls_over_is_no_usable_answer(marked, mo
     assert result.exercises[0].public == ("90.1 double: its answer could not be read.",)
 
 
+@pytest.mark.slow
 def test_a_lost_server_has_the_submission_graded_again_by_one_of_its_own(
     warm_server, assignment, handed_in, monkeypatch
 ):

@@ -224,6 +224,7 @@ def quadruple(x):
 """
 
 
+@pytest.mark.slow
 def test_a_flood_of_questions_ends_with_the_time_to_answer_them(marked, monkeypatch):
     monkeypatch.setattr(tries_module, "SECONDS_OF_RECORDED", 0.5)
     answered = count()
@@ -262,6 +263,7 @@ def test_recorded_answers_are_looked_up_by_a_digest(assignment, monkeypatch):
     assert next(compared) <= 3 * len(exercise.earlier)
 
 
+@pytest.mark.slow
 def test_notebooks_with_large_outputs_are_graded_in_the_space_that_a_worker_has(marked, tmp_path):
     large = json.loads(pair.write(tmp_path / "x.ipynb", pair.FIRST).read_bytes())
     large["cells"][-1]["outputs"] = [{"output_type": "stream", "name": "stdout", "text": "x" * 49 * 2**20}]
@@ -325,6 +327,7 @@ def test_what_is_lent_is_lent_until_it_is_not(tmp_path):
         assert worker.call("quadruple", Case((1.0,))).value == 4.0
 
 
+@pytest.mark.slow
 def test_what_the_second_run_does_counts_like_the_first(assignment, warm_server, tmp_path, monkeypatch):
     deaths, real = [], grader_module._grade
 

@@ -61,6 +61,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_what_prepares_an_assignment_ends_when_the_grader_is_killed(tmp_path):
     script = tmp_path / "prepares.py"

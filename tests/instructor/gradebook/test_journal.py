@@ -226,6 +226,7 @@ def test_two_graders_on_one_journal_lose_nothing(tmp_path):
     assert is_whole(tmp_path)
 
 
+@pytest.mark.slow
 def test_what_was_said_to_be_kept_outlives_a_killed_writer(tmp_path):
     chance = random.Random(5)
     kept = 0

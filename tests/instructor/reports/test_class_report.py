@@ -152,6 +152,7 @@ DRAWN = (HOSTILE[0], "half \ud83d of a character", "$x_{$", "\\frac{", "漢字")
 REST = [pytest.param(text, marks=pytest.mark.slow) for text in (*HOSTILE, "x" * 500) if text not in DRAWN]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [*DRAWN, *REST])
 def test_the_page_keeps_its_elements_whatever_anybody_wrote(text):
     def page(said):

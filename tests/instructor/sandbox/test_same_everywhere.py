@@ -66,6 +66,7 @@ def test_all_workers_compute_the_same_whatever_was_called_before(tmp_path, warm_
     assert told[0].value[0] != told[0].value[2], "other numbers, though always the same ones"
 
 
+@pytest.mark.slow
 @posix
 def test_a_call_that_waits_for_a_processor_has_its_time_left(tmp_path, warm_server, monkeypatch):
     """The clock of a worker stops where it waits; it runs where the worker computes or sleeps."""

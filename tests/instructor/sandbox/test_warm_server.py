@@ -223,6 +223,7 @@ HOARD = "held = []\nfor _ in iter(int, 1): held.append(bytearray(2**26))\n"
 LARGE = "def large(): return len(bytearray(256 * 2**20))"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hoard", [HOARD, ALL_OF_IT])
 @pytest.mark.parametrize("whose", ["its own", "an earlier lesson's"])
 def test_a_statement_that_takes_all_memory_leaves_some_to_the_rest_of_the_notebook(

@@ -109,6 +109,7 @@ def test_two_sources_of_common_code_are_two_lists():
     assert len(groups) >= 2 and not any(apart <= group for group in groups)
 
 
+@pytest.mark.slow
 def test_a_notebook_that_contains_the_others_does_not_make_them_a_group():
     course = load_course(PROJECT)
     lessons = [name for name in course.names() if right_answers(course, name)][1:6]
@@ -163,6 +164,7 @@ def test_code_that_alternatives_share_is_in_none_of_them():
     assert found["total"][2].startswith("def _loop(x):") and "class _Total:" in found["total"][2]
 
 
+@pytest.mark.slow
 def test_every_lessons_alternatives_are_found():
     course = load_course(PROJECT)
     for lesson in course.names():

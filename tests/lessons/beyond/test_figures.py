@@ -14,6 +14,7 @@ def test_the_robot_finds_itself_only_after_it_has_moved(own):
     assert "after 13 observations 100% of the particles" in said and "after 3 observations 0%" in said
 
 
+@pytest.mark.slow
 def test_most_filters_that_start_anywhere_end_far_from_the_robot_but_state_a_few_centimetres(ekf):
     start, *_, end = lap(2, 12)
     ends = [lost_filter(*ekf[:2], first) for first in anywhere(FILTERS, np.random.default_rng(0))]

@@ -16,6 +16,7 @@ def known(panel):
     return float(panel.summary().partition(" moves ")[2].partition("%")[0])
 
 
+@pytest.mark.slow
 def test_more_pixels_help_both_cameras_and_without_tilt_one_is_better(cameras):
     panel = TwoCamerasPanel(*cameras)
     one, both = sigmas(panel)
@@ -46,6 +47,7 @@ def test_the_known_part_grows_while_it_plays_and_the_frontiers_end(own):
     assert "with 3 frontier cells" in panel.summary()  # between boxes, where no way leads
 
 
+@pytest.mark.slow
 def test_a_function_that_was_mended_explores_anew(own):
     """What was driven by the old function is not shown as the new one's."""
     panel = ExplorePanel(own["find_frontiers"], own["travel_steps"])

@@ -159,6 +159,7 @@ def rows(panel, column):
     return [float(row[column].removesuffix(" cm")) for row in table.rows]
 
 
+@pytest.mark.slow
 def test_from_an_upload_to_landmarks_on_the_map_and_a_bad_one_keeps_the_photo():
     panel = lab()
     before = panel.shown.pictures["The photo"].copy()
@@ -195,6 +196,7 @@ def test_without_the_letters_height_and_pitch_are_the_sliders():
     assert rows(panel, 0) == pytest.approx(2 * near, abs=0.2)
 
 
+@pytest.mark.slow
 def test_a_letter_can_be_set_again_reset_forgets_all_and_letters_turned_round_are_suspected():
     panel = lab()
     assert "(near, left)" in panel.summary()

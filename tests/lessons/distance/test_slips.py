@@ -65,6 +65,7 @@ def searched(unit=1.0, few=None, ground=False):
     return estimate_pitch
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("slips", "said"),
     [

@@ -96,6 +96,7 @@ def test_every_wrong_block_is_visible_in_the_test_with_samples():
         assert covariance_differences(wrong)[block] > 0.05
 
 
+@pytest.mark.slow
 def test_figures_say_what_they_show(own):
     functions = own["predict"], own["update_landmarks"], own["add_landmark"]
     assert "90 cm off" in draw_bent_map().alt and "2 cm off on average" in draw_bent_map(*functions).alt

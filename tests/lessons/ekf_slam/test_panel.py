@@ -88,6 +88,7 @@ def test_an_error_is_shown_and_can_be_raised(film_functions):
     assert "KeyError in update()" in panel.summary() and isinstance(panel.error, KeyError)
 
 
+@pytest.mark.slow
 def test_where_no_widget_lives_there_are_a_picture_and_words(panel):
     shown = panel._repr_mimebundle_()
     assert "data:image/png" in shown["text/html"]

@@ -27,6 +27,7 @@ def functions(solution):
     return [solution[name] for name in ("init_landmarks", "predict", "update", "evaluate_landmarks")]
 
 
+@pytest.mark.slow
 def test_no_two_students_of_a_small_class_have_the_same_numbers(solution):
     found = {
         tuple(np.round(list(personal_numbers(PersonalWorld(f"s{n}"), solution).values()), 3))
@@ -57,6 +58,7 @@ def test_a_filter_without_a_gain_has_other_numbers(functions):
     assert not np.allclose(others, personal_distances(world, *functions), rtol=0.05)
 
 
+@pytest.mark.slow
 def test_the_errors_of_the_robots_stay_in_the_range_where_the_filter_is_consistent(solution):
     means = []
     for n in range(40):

@@ -27,6 +27,7 @@ def test_landmarks_of_the_sight_are_in_the_picture_and_come_back_to_the_ground_a
     assert np.abs(sampled_poses(scene, 0.0, 0.0, weights)).max() < 2e-3  # without noise
 
 
+@pytest.mark.slow
 def test_samples_scatter_as_predicted(monkeypatch):
     monkeypatch.setattr(budget, "SAMPLES", 120)
     found = budget.measure_budget(OWN["error_budget"], FOUR["measurement_covariance"], 1.0, np.radians(0.5))
@@ -71,6 +72,7 @@ def test_without_pixels_or_a_budget_each_figure_says_what_is_missing():
         assert repr(try_out(lambda show=show: show(missing))) == "Finish exercise 10.6."
 
 
+@pytest.mark.slow
 def test_the_text_says_what_a_sigma_for_each_of_u_and_v_changes():
     find_corners = own("03")["find_corners"]
     errors = pixel_errors(lambda picture: find_corners(label(picture), 5, 40), simulated_scenes())

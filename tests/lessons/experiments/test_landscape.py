@@ -64,6 +64,7 @@ def test_without_a_table_each_figure_says_what_the_search_said():
         assert repr(try_out(lambda show=show: show(missing))) == "Finish exercise 10.3 to search."
 
 
+@pytest.mark.slow
 def test_the_papers_sigmas_winners_and_broken_promises_are_said():
     alt = landscape.draw_beside_paper(table()).alt
     assert "the paper's is from 0.32 to 2.63" in alt and "rank correlation" in alt

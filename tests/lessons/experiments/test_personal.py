@@ -8,6 +8,7 @@ from nao_course.lessons.experiments.personal import BEST, personal_costs, person
 from nao_course.lessons.experiments.scenes import nothing_costs, simulated_scene
 
 
+@pytest.mark.slow
 def test_students_have_different_pictures_and_none_of_the_lessons():
     scenes = [personal_scenes(PersonalWorld(name), 2) for name in ("ada", "bob")]
     pictures = [picture for of in scenes for picture, _ in of] + [simulated_scene(n)[0] for n in range(2)]
@@ -27,6 +28,7 @@ def constant(values, probability, rng):
     return values.min(), values.max()
 
 
+@pytest.mark.slow
 def test_the_table_has_the_baseline_and_each_setting_with_its_interval_and_so_have_the_markers_numbers():
     world = PersonalWorld("ada")
     shown = str(personal_costs(world, [BEST, (110, 4, 30)], corners_everywhere, constant))

@@ -64,6 +64,7 @@ def test_valley_and_snapshots_say_where_the_solution_is_and_how_the_error_falls(
     assert "off by 16 cm" in said and "all constraints: 60 constraints, map off by 4" in said
 
 
+@pytest.mark.slow
 def test_the_map_of_the_students_code_gets_better_with_each_exercise():
     functions = (start, link, link, np.linalg.solve)
     first, second, *others = (draw_drive(*functions[:count]).alt for count in (1, 2, 3, 4))
@@ -122,6 +123,7 @@ def test_one_over_the_variance_is_the_best_weight_in_every_drive():
     assert "The smallest is at p = 2." in draw_powers((np.array(POWERS) - 2) ** 2 + 0.1).alt
 
 
+@pytest.mark.slow
 def test_the_costs_are_the_recorded_ones_and_the_students_own(monkeypatch):
     monkeypatch.delenv("NAO_COURSE_STRICT", raising=False)
 

@@ -14,6 +14,7 @@ from nao_course.lessons.hough_corners.scenes import (
 )
 
 
+@pytest.mark.slow
 def test_the_tuning_pictures_have_61_corners_that_the_text_counts():
     pictures = tuning_pictures()
     assert (len(pictures), sum(len(each.truth.corners) for each in pictures)) == (30, 61)

@@ -58,6 +58,7 @@ def test_the_lines_are_lost_where_the_formula_says_and_half_of_the_carpet_turns_
     assert f"The limits by equation 1.5 are {limits[0]:.2f} and {limits[1]:.2f}." in drawing.alt
 
 
+@pytest.mark.slow
 def test_lightnesses_are_counted_by_what_pixels_are_and_figures_say_their_numbers(rng):
     lightness, labels = rng.uniform(0, 255, (30, 40)), rng.integers(0, 4, (30, 40))
     lightness[0, 0], labels[0, 0] = 255.0, 3

@@ -151,6 +151,7 @@ def test_without_wrapping_an_innovation_is_off_by_a_full_turn(own, report):
     assert np.allclose(new[:2], wanted[:2]) and np.isclose(np.exp(1j * new[2]), np.exp(1j * wanted[2]))
 
 
+@pytest.mark.slow
 def test_the_panel_names_what_is_right_and_says_what_another_would_show_and_the_text_folds_the_answers(
     functions, monkeypatch
 ):

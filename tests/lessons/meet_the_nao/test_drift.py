@@ -17,6 +17,7 @@ def drift():
     return draw_drift(paths, Field(), commanded=paths[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [drift, lambda: draw_growth({"square": SQUARE}, seed=1)])
 def test_the_same_drawing_is_the_same_bytes_with_its_words(make):
     assert_same_bytes_with_words(make)

@@ -11,6 +11,7 @@ from tests.plotting.examples import walked
 VIEW = NAO_V4.view("bottom", pitch=float(np.radians(-31.0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make", [draw_frames, lambda: draw_cameras(walked()[0]), lambda: draw_ground_steps(VIEW)]
 )

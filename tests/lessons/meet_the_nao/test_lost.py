@@ -67,6 +67,7 @@ def test_all_of_them_find_the_robot():
     assert off.max() < 0.3 and off.mean() < alone / 2
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("fewer")
 def test_the_figure_is_the_same_bytes_with_its_words_and_a_wrong_turn_is_another_drive():
     assert_same_bytes_with_words(lambda: draw_lost_and_found(np.radians))

@@ -85,6 +85,7 @@ def test_blocks_are_painted_by_what_they_link():
     assert (cells[0, 2] == (161, 69, 102)).all() and (cells[1, 2] == 255).all()
 
 
+@pytest.mark.slow
 def test_a_real_building_is_drawn_from_a_file_of_ones_own_and_where_there_is_none_the_figure_says_so(
     tmp_path, monkeypatch
 ):

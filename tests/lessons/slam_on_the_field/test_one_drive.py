@@ -44,6 +44,7 @@ def test_the_text_says_what_associate_does_on_the_drive(own):
     assert jointly == 0
 
 
+@pytest.mark.slow
 def test_the_drive_gets_better_method_by_method_and_the_text_says_so(own):
     alt = draw_one_drive(EkfSlam=own["EkfSlam"]).alt
     ends = [

@@ -30,6 +30,7 @@ def verdicts(stated, rng):
     return {verdict: found.count(verdict) / DRAWS for verdict in set(found)}
 
 
+@pytest.mark.slow
 def test_an_estimate_with_the_covariance_of_its_errors_is_consistent_in_95_percent_of_the_cases():
     rng = np.random.default_rng(0)
     assert verdicts(COVARIANCE, rng)["consistent"] == pytest.approx(0.95, abs=0.015)

@@ -89,6 +89,7 @@ def a_class_of_every_kind(root: Path) -> Path:
     return root
 
 
+@pytest.mark.slow
 def test_a_class_has_the_scores_and_pages_of_one_machine_byte_for_byte(
     course, graded_here, two_workers, tmp_path
 ):
