@@ -27,7 +27,8 @@ def my_nao(
 ) -> ControlPanel:
     """Return the control panel of your robot, which runs all functions that you have solved.
 
-    With `upto` it runs those of the first lessons, so that a lesson shows the same robot when later ones are solved.
+    With `upto` it runs the functions of the first lessons, so that a lesson shows the same robot when later lessons are
+    solved.
 
     Each function is taken from this notebook if it passes its public checks there, else from your saved notebooks. The
     panel lists the functions that are missing or do not pass, and drives without them.

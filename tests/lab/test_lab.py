@@ -34,6 +34,25 @@ def test_jupyterlab_is_given_the_courses_settings_and_further_arguments():
     assert news["fetchNews"] == "false"
 
 
+def test_the_keys_that_drive_the_robot_neither_cut_nor_delete_a_cell_beside_its_panel():
+    overrides = json.loads((PACKAGE / "lab" / "settings" / "overrides.json").read_text())
+    ours = overrides["@jupyterlab/shortcuts-extension:shortcuts"]["shortcuts"]
+    off = [(each["command"], each["keys"], each["selector"]) for each in ours if each["disabled"]]
+    assert [(command, keys) for command, keys, _ in off] == [
+        ("notebook:delete-cell", ["D", "D"]),
+        ("notebook:cut-cell", ["X"]),
+        ("kernelmenu:interrupt", ["I", "I"]),
+    ]
+    schemas = Path(sys.prefix, "share", "jupyter", "lab", "schemas", "@jupyterlab")
+    shipped = [
+        (each["command"], each["keys"], each["selector"])
+        for path in schemas.rglob("*.json")
+        for each in json.loads(path.read_text()).get("jupyter.lab.shortcuts", [])
+    ]
+    for each in off if shipped else ():
+        assert each in shipped, "JupyterLab's own shortcut has another selector, so it would stay"
+
+
 def test_on_a_hub_the_same_settings_open_a_server_that_the_hub_knows_and_whose_kernels_have_no_ports(
     monkeypatch,
 ):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import shutil
 from base64 import b64decode
@@ -27,6 +28,8 @@ from nao_course.instructor.authoring.proofs import MANIFEST, Proofs
 from nao_course.instructor.authoring.rounding_errors import same_but_for_rounding
 from nao_course.instructor.authoring.stamps import edited, stamp
 
+# Ends of the names of the functions and classes that make a panel
+_PANELS = ("Panel", "Lab", "Dial", "my_nao", "show_film")
 CODE_STUB = {"python": "raise NotImplementedError"}
 _DRAWN = re.compile(r"<img[^>]*src=\"data:image/(\w+);base64,([^\"]+)")
 _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)|\[[^\]]*\]\((images/[^)\s]+)")
@@ -230,14 +233,27 @@ def _with_place(notebook: NotebookNode, problem: str) -> str:
 def student_copy(solved: NotebookNode) -> NotebookNode:
     """Make the student copy of a lesson with nbgrader's own preprocessors; the solved notebook stays as it was.
 
-    The copy has no solutions and outputs; what a student may not change is locked, and its checksum is noted.
+    The copy has no solutions and outputs; what a student may not change is locked, and its checksum is noted. A cell
+    that shows a panel cannot be deleted either: one key beside the panel that drives the robot would be enough.
     """
     notebook = nbformat.from_dict(solved)
     resources: dict[str, Any] = {}
     clear = ClearSolutions(code_stub=CODE_STUB, text_stub=ANSWER_HERE)
     for preprocessor in (clear, LockCells(), ClearOutput(), ComputeChecksums()):
         notebook, resources = preprocessor.preprocess(notebook, resources)
+    for _, cell in lesson_text.code_cells(notebook):
+        if _shows_panel(cell):
+            cell.metadata["deletable"] = False
     return notebook
+
+
+def _shows_panel(cell: NotebookNode) -> bool:
+    """Return whether a code cell ends with a panel or a film: with ``panel``, or with the call that makes one."""
+    (*_, last) = ast.parse(lesson_text.python(cell)).body or [None]
+    shown = last.value if isinstance(last, ast.Expr) else None
+    made = shown.func if isinstance(shown, ast.Call) else shown
+    name = str(getattr(made, "id", getattr(made, "attr", "")))
+    return name.endswith(_PANELS) if made is not shown else name == "panel"
 
 
 def payoff_files(ran: NotebookNode) -> dict[Path, bytes]:

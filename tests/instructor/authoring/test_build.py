@@ -18,6 +18,7 @@ from tests.paths import PROJECT
 from tests.toy.course import PLAN, contents, run, with_a_written_question, write
 
 
+@pytest.mark.slow
 def test_build_writes_all_that_is_made_of_a_lesson_and_then_nothing(course, kernel):
     assert sorted(run("build").output.split("\n")[:-1])[-5:] == [
         "wrote nao_course/exercises/checks/01_toy.bin",
@@ -61,6 +62,28 @@ def test_a_student_copy_has_nbgraders_metadata_and_no_solution(built):
         assert metadata == wanted | more
     assert check.metadata.nao_course == {"role": "check"}
     assert check.metadata.editable is False
+
+
+@pytest.mark.parametrize(
+    ("source", "protected"),
+    [
+        ("my_nao()", True),
+        ('my_nao(upto="01")', True),
+        ("panel = ControlPanel(nao)\npanel", True),
+        ("lessons.FilmPanel(predict)", True),
+        ('show_film("08_graph_slam")', True),
+        ("panel = ControlPanel(nao)", False),
+        ("panel.summary()", False),
+        ("draw_map(ControlPanel)", False),
+        ("# nothing yet", False),
+    ],
+)
+def test_a_cell_that_shows_a_panel_cannot_be_deleted_from_a_student_copy(course, source, protected):
+    write(course.text("01_toy"), 'print("shown")', source)
+    solved = lesson_text.read_lesson(course.text("01_toy"))
+    *_, (_, shown) = lesson_text.code_cells(build.student_copy(solved))
+    assert shown.source == source and shown.metadata.get("deletable", True) is not protected
+    assert "deletable" not in solved.cells[-1].metadata
 
 
 def test_a_written_question_is_a_text_cell_that_a_person_marks(course):
