@@ -37,7 +37,7 @@ PACKAGES = (
 RUBRICS = "rubrics"  # the page that is made from the declarations
 PITCH = (
     "A NAO robot stands somewhere on half a football field, with a camera, a record of its steps and no map. "
-    "In thirteen notebooks you write the code that finds the lines and goal posts in its pictures, estimates "
+    "In these notebooks you write the code that finds the lines and goal posts in its pictures, estimates "
     "where it is, and draws the map."
 )
 

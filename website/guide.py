@@ -1,4 +1,4 @@
-"""``python -m website.guide`` writes the tables of lessons in the guide for instructors and in the README."""
+"""``python -m website.guide`` writes the tables of lessons in the README, the instructors' guide and the syllabus."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from nao_course.instructor.authoring.course import load_course
 from website import ROOT
 from website.lessons import Lesson, read_lesson
 
-__all__ = ["guide_with_lessons", "readme_with_lessons"]
+__all__ = ["guide_with_lessons", "readme_with_lessons", "syllabus_with_lessons"]
 
 WEEKS, SHORTER = "| week | lesson |", "| course | lessons |"  # heads of the guide's tables
 README = "| lesson | what you do |"  # of the README's
+SYLLABUS = "| week | lesson | after this week, students can |"  # of the syllabus's
 
 
 def guide_with_lessons(guide: str, lessons: Iterable[Lesson]) -> str:
@@ -20,8 +21,8 @@ def guide_with_lessons(guide: str, lessons: Iterable[Lesson]) -> str:
     there = {lesson.number: lesson for lesson in lessons}
     weeks = [
         [
-            *(str(week), f"{each.number} {each.title}", str(each.minutes), _points(each)),
-            *(", ".join(each.takes) or "-", each.about["needs"], each.about["left_out"]),
+            *(str(week), f"{each.number} {each.title}", str(each.minutes), str(each.later or "-")),
+            *(_points(each), ", ".join(each.takes) or "-", each.needs, each.about["left_out"]),
         ]
         for week, each in enumerate(there.values(), start=1)
     ]
@@ -43,6 +44,18 @@ def readme_with_lessons(readme: str, lessons: Iterable[Lesson]) -> str:
         for each in lessons
     ]
     return _with_rows(readme, README, rows)
+
+
+def syllabus_with_lessons(syllabus: str, lessons: Iterable[Lesson]) -> str:
+    """Return docs/syllabus.md with a row for each lesson; weeks and order stay, and a new lesson is optional."""
+    there = {lesson.number: lesson for lesson in lessons}
+    weeks = {lesson[:2]: week for week, lesson, *_ in _rows(syllabus, SYLLABUS) if lesson[:2] in there}
+    weeks = weeks | {number: "optional" for number in there if number not in weeks}
+    rows = [
+        (week, f"{number} {there[number].title}", there[number].about.get("can", "TODO"))
+        for number, week in weeks.items()
+    ]
+    return _with_rows(syllabus, SYLLABUS, rows)
 
 
 def _points(lesson: Lesson) -> str:
@@ -70,7 +83,7 @@ def _with_rows(text: str, head: str, rows: Iterable[Sequence[str]]) -> str:
 
 
 def main() -> None:
-    """Rewrite both files, and print which of them has changed."""
+    """Rewrite the files, and print which of them have changed."""
     course = load_course(ROOT)
     drafts = course.drafts()
     lessons = [
@@ -78,6 +91,7 @@ def main() -> None:
     ]
     for file, written in (
         ("docs/teach_the_course.md", guide_with_lessons),
+        ("docs/syllabus.md", syllabus_with_lessons),
         ("README.md", readme_with_lessons),
     ):
         text = (ROOT / file).read_text(encoding="utf-8")

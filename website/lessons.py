@@ -15,23 +15,24 @@ from website import ROOT
 
 __all__ = ["Lesson", "read_lesson"]
 
-_KEYS = ("does", "needs", "left_out", "card", "card_shows")
+_KEYS = ("does", "left_out", "card", "card_shows")
 
 
 @dataclass(frozen=True)
 class Lesson:
     """A lesson, such as ``01_hsl_filtering``, as its student copy describes it.
 
-    Its goal is the paragraph below the title, its picture the figure that it opens with, both Markdown. `minutes` are
-    for the first part and `later` for the second, 0 without one; `points` are of all its checks and written answers,
-    `written` of the latter, and `takes` are the numbers of lessons whose functions it uses. `about` is its part of
-    `solutions/lessons.toml`.
+    Its goal is the paragraph below the title, its picture the figure that it opens with, and `needs` its prerequisites,
+    all in Markdown. `minutes` are for the first part and `later` for the second, 0 without one; `points` are of all its
+    checks and written answers, `written` of the latter, and `takes` are the numbers of lessons whose functions it uses.
+    `about` is its part of `solutions/lessons.toml`.
     """
 
     name: str
     title: str
     goal: str
     picture: str
+    needs: str
     minutes: int
     later: int
     points: float
@@ -53,7 +54,8 @@ class Lesson:
 def read_lesson(path: Path) -> Lesson:
     """Read a lesson's student copy, and what the course says about it.
 
-    Raise a ValueError if the copy lacks a title, a goal, an opening figure or its time, or the course says nothing.
+    Raise a ValueError if the copy lacks a title, a goal, an opening figure, prerequisites or its time, or the course
+    says nothing.
     """
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     text, code = (_joined(cells, kind) for kind in ("markdown", "code"))
@@ -61,6 +63,7 @@ def read_lesson(path: Path) -> Lesson:
         "title": r"^# (.+)$",
         "goal": r"^# .+\n+((?:.+\n?)+)",
         "picture": r"^(!\[[^]]+\]\(images/\d\d_payoff\.\w+\))$",
+        "needs": r"\*\*Before you start\*\* you need (.+?)\.(?= [A-Z*])",
         "minutes": r"\*\*Time:\*\* (\d+) minutes",
     }
     second = re.search(r"\*\*Time:\*\* \d+ minutes up to .+?, and (\d+) minutes for the ", text)
@@ -74,6 +77,7 @@ def read_lesson(path: Path) -> Lesson:
         words["title"],
         " ".join(words["goal"].split()),
         words["picture"],
+        words["needs"],
         int(words["minutes"]),
         int(second[1]) if second else 0,
         points=sum(map(_points, cells)),
@@ -98,5 +102,5 @@ def _joined(cells: list[dict[str, Any]], kind: str) -> str:
 
 
 def _points(cell: dict[str, Any]) -> float:
-    """What nbgrader counts for a cell."""
+    """Return the points that nbgrader counts for a cell."""
     return float(cell["metadata"].get("nbgrader", {}).get("points", 0))

@@ -1,4 +1,4 @@
-"""A lesson's facts are read from its student copy, and the guide for instructors says the same."""
+"""A lesson's facts are read from its student copy; README, guide for instructors and syllabus state the same."""
 
 import json
 import re
@@ -10,7 +10,7 @@ from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_plan
 from tests.paths import PROJECT
 from website import lessons
-from website.guide import guide_with_lessons, readme_with_lessons
+from website.guide import guide_with_lessons, readme_with_lessons, syllabus_with_lessons
 from website.lessons import read_lesson
 
 
@@ -21,7 +21,8 @@ def notebook(*cells):
 
 def test_a_lessons_facts_are_read(tmp_path):
     head = "# Posts\n\nYou find\n*them*.\n\n![a post](images/02_payoff.png)\n\n"
-    head += "**Needed** NumPy. **Time:** 90 minutes up to the middle, and 40 minutes for the rest."
+    head += "**Before you start** you need `np.where`, and a pen. "
+    head += "**Time:** 90 minutes up to the middle, and 40 minutes for the rest."
     path = tmp_path / "02_posts.ipynb"
     path.write_text(
         notebook(
@@ -34,6 +35,7 @@ def test_a_lessons_facts_are_read(tmp_path):
     lesson = read_lesson(path)
     assert (lesson.number, lesson.title, lesson.goal) == ("02", "Posts", "You find *them*.")
     assert (lesson.picture, lesson.minutes, lesson.later) == ("![a post](images/02_payoff.png)", 90, 40)
+    assert lesson.needs == "`np.where`, and a pen"
     assert (lesson.points, lesson.written, lesson.takes) == (5, 2, ("01",))
 
 
@@ -41,11 +43,11 @@ def test_a_lesson_that_lacks_a_fact_says_which(tmp_path, monkeypatch):
     monkeypatch.setattr(lessons, "ROOT", tmp_path)
     (tmp_path / "solutions").mkdir()
     (tmp_path / "solutions" / "lessons.toml").write_text('["00"]\ndoes = "x"\ncard = []\ncard_shows = "y"\n')
-    with pytest.raises(ValueError, match=r'lessons.toml does not say needs, left_out under \["00"\]'):
+    with pytest.raises(ValueError, match=r'lessons.toml does not say left_out under \["00"\]'):
         read_lesson(PROJECT / "notebooks" / "00_meet_the_nao.ipynb")
     path = tmp_path / "02_posts.ipynb"
     path.write_text(notebook(("markdown", "# Posts\n\nYou find them.", {})))
-    with pytest.raises(ValueError, match=r"02_posts.ipynb does not say its picture, minutes"):
+    with pytest.raises(ValueError, match=r"02_posts.ipynb does not say its picture, needs, minutes"):
         read_lesson(path)
 
 
@@ -57,11 +59,12 @@ LESSONS = {
 }
 README = (PROJECT / "README.md").read_text(encoding="utf-8")
 GUIDE = (PROJECT / "docs" / "teach_the_course.md").read_text(encoding="utf-8")
+SYLLABUS = (PROJECT / "docs" / "syllabus.md").read_text(encoding="utf-8")
 
 
-def rows_under(head):
-    """The cells of the guide's table with this head."""
-    table = GUIDE.split(head, 1)[1].split("\n\n", 1)[0]
+def rows_under(head, page=GUIDE):
+    """Return the cells of the table with this head."""
+    table = page.split(head, 1)[1].split("\n\n", 1)[0]
     return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in table.splitlines()[2:]]
 
 
@@ -73,13 +76,13 @@ def test_the_guide_says_each_lessons_minutes_points_and_what_it_takes():
     rows = rows_under("| week | lesson |")
     for row, each in zip(rows, LESSONS.values(), strict=True):
         points = f"{each.points:g} ({each.written:g})" if each.written else f"{each.points:g}"
-        facts = f"{each.number} {each.title}", str(each.minutes), points, each.takes
-        assert (*row[1:4], numbers(row[4])) == facts, "run `python -m website.guide`"
+        facts = f"{each.number} {each.title}", str(each.minutes), str(each.later or "-"), points, each.takes
+        assert (*row[1:5], numbers(row[5])) == facts, "run `python -m website.guide`"
 
 
 def test_the_command_writes_the_rows_and_keeps_the_rest():
     changed = re.sub(
-        r"^(\| \d+ \| \d\d [^|]*\|) \d+ \| .*$", r"\1 1 | 2 (3) | 99 | x | y |", GUIDE, flags=re.M
+        r"^(\| \d+ \| \d\d [^|]*\|) \d+ \| .*$", r"\1 1 | - | 2 (3) | 99 | x | y |", GUIDE, flags=re.M
     )
     changed = re.sub(r"^(\| [a-z ]+ \| \d\d, [^|]*\|) \d+ \| [^|]* \|", r"\1 7 | 98 |", changed, flags=re.M)
     assert changed.count("| 2 (3) | 99 |") == len(LESSONS) and changed.count("| 7 | 98 |") == 3
@@ -87,20 +90,35 @@ def test_the_command_writes_the_rows_and_keeps_the_rest():
     readme = re.sub(r"^\| \[\d\d .* \|$\n", "", README, flags=re.M)
     assert "hsl_filtering.ipynb" not in readme
     assert readme_with_lessons(readme, LESSONS.values()) == README
+    syllabus = re.sub(r"^(\| [^|]+ \| \d\d) .*$", r"\1 x | y |", SYLLABUS, flags=re.M)
+    assert syllabus.count(" x | y |") == len(LESSONS)
+    assert syllabus_with_lessons(syllabus, LESSONS.values()) == SYLLABUS
 
 
-def test_a_new_lesson_gets_a_row_and_a_lesson_that_is_gone_loses_its_row():
+def test_the_syllabus_says_what_students_can_do_and_its_weeks_are_those_of_the_plan():
+    assert "TODO" not in SYLLABUS, "say `can` in solutions/lessons.toml, and run `python -m website.guide`"
+    weeks = {row[1][:2]: row[0].split(",")[0] for row in rows_under("| week | lesson |", SYLLABUS)}
+    plan = rows_under("| week | in the room | at home |")
+    planned = {number: week for week, room, *_ in plan for number in numbers(room)[:1]}
+    assert {number: week for number, week in weeks.items() if week.isdigit()} == planned
+
+
+def test_a_new_lesson_gets_a_row_and_a_removed_lesson_loses_its_row():
     first, second, *_ = LESSONS.values()
-    new = replace(second, name="40_more", title="More", points=2.5, written=0, takes=())
+    about = second.about | {"can": "do more"}
+    new = replace(second, name="40_more", title="More", points=2.5, written=0, takes=(), about=about)
     lines = guide_with_lessons(GUIDE, [first, new]).splitlines()
     start = next(number for number, line in enumerate(lines) if line.startswith("| week | lesson |"))
     assert lines[start + 2].startswith("| 1 | 00 Meet the NAO | 75 |")
-    said = f"{second.about['needs']} | {second.about['left_out']}"
-    assert lines[start + 3] == f"| 2 | 40 More | {new.minutes} | 2.5 | - | {said} |"
+    said = f"{second.needs} | {second.about['left_out']}"
+    assert lines[start + 3] == f"| 2 | 40 More | {new.minutes} | - | 2.5 | - | {said} |"
     assert lines[start + 4] == ""
+    rows = rows_under("| week | lesson |", syllabus_with_lessons(SYLLABUS, [first, new]))
+    assert [row[:2] for row in rows] == [["1", "00 Meet the NAO"], ["optional", "40 More"]]
+    assert rows[1][2] == "do more"
 
 
-def test_a_shorter_course_says_how_long_it_is_and_what_is_lent_to_it():
+def test_a_shorter_course_states_its_minutes_and_the_lessons_whose_functions_it_lacks():
     rows = rows_under("| course | lessons |")
     assert len(rows) == 3
     for name, given, minutes, lent in rows:

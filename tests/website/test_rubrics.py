@@ -4,7 +4,7 @@ from nao_course.exercises import Written
 from website.lessons import Lesson
 from website.rubrics import rubrics_page
 
-LESSON = Lesson("02_posts", "Posts", "You find them.", "", 90, 0, 5, 2, ())
+LESSON = Lesson("02_posts", "Posts", "You find them.", "", "NumPy", 90, 0, 5, 2, ())
 
 
 def test_a_question_stands_below_its_lesson_with_its_points_and_its_rubric():
