@@ -106,6 +106,30 @@ const NaoMap = (() => {
     }
   };
 
+  // Where the robot of a path is between two frames; empty before its first pose.
+  const robotPose = ({ poses, upto }) => {
+    const whole = Math.min(Math.floor(upto), poses.length / 3 - 1);
+    const last = poses.slice(3 * whole, 3 * whole + 3), next = poses.slice(3 * whole + 3, 3 * whole + 6);
+    return next.length ? mix("path", last, next, upto - whole) : last;
+  };
+
+  // A robot outside of the map: an arrow at the edge points to it.
+  const outside = (c, view, layer, [x, y], tone) => {
+    const [x0, y0, x1, y1] = view.bounds, away = Math.hypot(Math.max(x0 - x, x - x1, 0), Math.max(y0 - y, y - y1, 0));
+    if (away < 50) return; // mm
+    const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+    const u = clamp(view.x(x), view.x(x0) + 12, view.x(x1) - 12), v = clamp(view.y(y), view.y(y1) + 12, view.y(y0) - 12);
+    c.save();
+    c.translate(u, v); c.rotate(Math.atan2(view.y(y) - v, view.x(x) - u));
+    c.beginPath(); polygon(c, [[10, 0], [-6, -8], [-6, 8]]);
+    c.lineWidth = 2.2; c.lineJoin = "round"; c.strokeStyle = tone.rim; c.stroke();
+    c.fillStyle = tone.of(layer); c.fill();
+    c.restore();
+    const right = u > view.x((x0 + x1) / 2);
+    c.textAlign = right ? "right" : "left"; c.textBaseline = "middle"; c.fillStyle = tone.text; c.font = "12px system-ui, sans-serif";
+    c.fillText(`${(away / 1000).toFixed(1)} m outside`, u + (right ? -14 : 14), clamp(v, view.y(y1) + 20, view.y(y0) - 20));
+  };
+
   const robot = (c, view, layer, [x, y, angle], tone) => {
     const u = view.x(x), v = view.y(y), cos = Math.cos(angle / 1000), sin = Math.sin(angle / 1000), reach = 3.2 * ROBOT;
     for (const [colour, width] of [[tone.rim, 4.6], [tone.of(layer), 2.6]]) {
@@ -199,11 +223,9 @@ const NaoMap = (() => {
       strokes(c, [[[r - 6, -4], [r, 0], [r - 6, 4]]], 1.6, colour, tone.rim);
       c.restore();
     },
-    path(c, view, layer, { poses, upto }, tone) {
+    path(c, view, layer, value, tone) {
+      const { poses, upto } = value, here = robotPose(value), whole = Math.floor(upto);
       if (!poses.length) return;
-      const whole = Math.min(Math.floor(upto), poses.length / 3 - 1);
-      const last = poses.slice(3 * whole, 3 * whole + 3), next = poses.slice(3 * whole + 3, 3 * whole + 6);
-      const here = next.length ? mix("path", last, next, upto - whole) : last;
       if (layer.trail !== false) {
         c.setLineDash((layer.dash || []).map(each => each * LINE));
         c.strokeStyle = tone.of(layer);
@@ -332,6 +354,9 @@ const NaoMap = (() => {
       c.fillStyle = tone.paper; c.fillRect(0, 0, own, height);
       this.drawContents(c, view, tone);
       c.restore();
+      this.scene.layers.forEach((layer, i) => {
+        if (layer.kind === "path" && layer.robot !== false && this.isShown(i)) outside(c, view, layer, robotPose(this.values[i]), tone);
+      });
       drawAxes(c, view, tone);
       this.drawLens(tone, scale);
       this.drawLegend(tone);

@@ -22,6 +22,7 @@ CAMERAS = ("top", "bottom")
 LIVE_SIZE = (320, 240)
 STEP = 0.05  # m between two pictures of a drive
 TURN_STEP = float(np.radians(5.0))  # rad between two pictures of a turn
+EDGE = 0.001  # m: a step may end so far outside of the carpet, because rounding must not stop a walk along its edge
 KEPT_PICTURES = 60
 LONGEST_NAME = 14  # letters in the map's legend
 NOTHING: tuple[Measurement, ...] = ()
@@ -98,6 +99,14 @@ class Cockpit:
         if self.slam is None:
             return True
         return self._try("move", lambda: self._slam.move(done)).done and self._update_estimate()
+
+    def is_blocked(self, motion: Motion) -> bool:
+        """Return whether the carpet ends before the end of a step: the robot would walk on the spot."""
+        field, goal = self.nao.field, Truth(self.nao).pose @ Pose(motion.distance)
+        x0, y0, x1, y1 = field.carpet
+        x, y = field.pose.to_local([goal.x, goal.y])[0]
+        outside = max(x0 - x, x - x1, y0 - y, y - y1)
+        return bool(motion.distance) and outside > EDGE
 
     def turn_head(self, yaw: float, pitch: float) -> None:
         """Turn the head by `yaw` and `pitch` (rad, positive left and down), within its joint limits."""

@@ -125,11 +125,19 @@ class MotionRunner:
             await asyncio.sleep(BREATH)
 
     def _steps(self, motion: Motion) -> Iterator[None]:
-        """Run a motion step by step, with new pictures and a new map after each step; end if `slam` fails."""
+        """Run a motion step by step, with new pictures and a new map after each step.
+
+        It ends if `slam` fails or the carpet ends, which also stops a robot that drives by itself.
+        """
         self._cockpit.moves += 1
         self._cockpit.say(f"{in_words(motion)} …")
         self._cockpit.printed = ""
         for part in small_steps(motion):
+            if self._cockpit.is_blocked(part):
+                self._waiting.by_itself = False
+                self._cockpit.say(f"{in_words(motion)}: stopped, because the carpet ends here.")
+                self._show_status()
+                return
             succeeded = self._cockpit.move(part)
             self._refresh()
             if not succeeded:

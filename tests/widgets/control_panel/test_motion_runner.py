@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
-from nao_course.sim import SimulatedNao
+from nao_course.sim import SimulatedNao, Truth
+from nao_course.slam import Motion
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.control_panel import motion_runner
 from nao_course.widgets.control_panel.cockpit import STEP
@@ -180,3 +181,31 @@ def test_a_page_that_was_closed_holds_no_drive_up(monkeypatch):
 
     in_a_loop(scenario)
     assert panel.cockpit.nao.odometry.x == pytest.approx(4 * STEP)
+
+
+def test_a_robot_stops_where_the_carpet_ends_and_turns_there():
+    nao = clean_nao(pose=Pose(3.0, 0.0, 0.0))
+    panel = ControlPanel(nao, Truth(nao))
+    edge = nao.field.pose.to_parent([nao.field.carpet[2], 0.0])[0][0]
+    panel.forward(2.0)
+    assert panel.cockpit.message == "Walk 2.00 m ahead: stopped, because the carpet ends here."
+    stopped = panel.cockpit.odometry[-1]
+    assert edge - 0.1 < Truth(nao).pose.x <= edge and stopped.x < edge + 0.1
+    panel.forward()
+    assert panel.cockpit.odometry[-1] == stopped and panel.cockpit.walked < 1.0
+    panel.left(np.pi / 2)
+    panel.left(np.pi / 2)
+    panel.forward()
+    assert panel.cockpit.message == "Walk 0.20 m ahead: done."
+
+
+def test_a_robot_that_drives_by_itself_stops_at_the_edge(monkeypatch):
+    panel = ControlPanel(clean_nao(pose=Pose(3.0, 0.0, 0.0)))
+    panel._drive._waiting._next_motion = lambda: Motion(0.5)
+
+    async def scenario():
+        panel._drive.go_by_itself()
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+    assert "the carpet ends here" in panel.cockpit.message
