@@ -12,7 +12,8 @@ import numpy as np
 import scipy.io
 
 from nao_course.datasets.files import brief, contents, data_folder
-from nao_course.datasets.g2o import LARGEST_NUMBER, positive_definite
+from nao_course.datasets.g2o import parts_of
+from nao_course.datasets.graph_lines import LARGEST_NUMBER, positive_definite
 from nao_course.geometry import FloatArray
 from nao_course.graphs import LANDMARK, POSE, Graph
 
@@ -23,6 +24,8 @@ KIND = {"P": POSE, "L": LANDMARK}
 
 def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArray]:
     """Read a graph in the format of Freiburg's SLAM course: a struct g with the fields x, edges and idLookup.
+
+    A warning says if the edges do not connect all vertices.
 
     Parameters
     ----------
@@ -53,6 +56,8 @@ def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArr
         _Edge(f"{path}, edge {number}", edge, places)
         for number, edge in enumerate(np.ravel(struct["edges"]), 1)
     ]
+    if not edges:
+        raise ValueError(f"{path}: a graph needs edges, because only they say which vertices are poses")
     is_pose = {
         place for edge in edges for place in (edge.first, *([edge.second] if edge.kind == "P" else []))
     }
@@ -78,6 +83,8 @@ def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArr
         np.repeat([POSE, LANDMARK], [len(is_pose), len(is_landmark)]),
         np.array([name_of[place] for place in order]),
     )
+    for note in parts_of(graph):
+        warnings.warn(f"{path}: {note}", stacklevel=2)
     return graph, np.concatenate(
         [x[place : place + width] for place, width in zip(order, widths, strict=True)]
     )

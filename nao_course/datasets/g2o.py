@@ -1,16 +1,16 @@
-"""Pose graphs in the text formats of g2o and TORO. A malformed file raises an error with the line.
+"""Pose graphs in the text formats of g2o, TORO, iSAM and GTSAM. A malformed file raises an error with the line.
 
 Writing loses no precision. FIX is written last, because GTSAM 4.3 reads no edge below it.
 """
 
 from __future__ import annotations
 
-import re
+import itertools
 import warnings
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,57 +18,54 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from nao_course._internal.counts import say_count
-from nao_course.datasets.files import brief, text_of
-from nao_course.geometry import FloatArray, Pose
+from nao_course.datasets.graph_lines import (
+    FORMS,
+    LARGEST_NUMBER,
+    ORIGIN,
+    Form,
+    MeasuredEdges,
+    Record,
+    read_edges,
+    read_records,
+    values_of,
+)
+from nao_course.geometry import FloatArray, Pose, rotation_2d
 from nao_course.graphs import LANDMARK, POSE, Graph
 
-# Limits far above any real file, but low enough that a malicious file cannot use much memory or time.
-LARGEST_GRAPH = 100_000_000  # bytes
-LARGEST_NUMBER = 1e15
-LEAST_EIGENVALUE = 1e-12  # of a usable information matrix, after its diagonal has been scaled to 1
-
-MOST_UNKNOWN_TAGS = 20  # of a file that may be a graph
-
-# For each tag, the number of vertex names, and the number of values after them.
-WIDTHS = {"VERTEX_SE2": (1, 3), "VERTEX_XY": (1, 2), "EDGE_SE2": (2, 9), "EDGE_SE2_XY": (2, 5), "FIX": (1, 0)}
-TORO = {"VERTEX2": "VERTEX_SE2", "EDGE2": "EDGE_SE2"}
-# Places of g2o's upper triangle (11 12 13 22 23 33) in TORO's order (11 12 22 33 13 23), and the other way round.
-FROM_TORO, TO_TORO = [0, 1, 4, 2, 5, 3], [0, 1, 3, 5, 2, 4]
-_TAG = re.compile(r"[A-Za-z][A-Za-z0-9_:]{0,60}")
-KIND_OF_VERTEX = {"VERTEX_SE2": POSE, "VERTEX_XY": LANDMARK}
+TO_TORO = [0, 1, 3, 5, 2, 4]  # places of TORO's order (11 12 22 33 13 23) in g2o's (11 12 13 22 23 33)
 NAME_OF_KIND = {POSE: "pose", LANDMARK: "landmark"}
-KIND_OF_END = {"EDGE_SE2": POSE, "EDGE_SE2_XY": LANDMARK}
+SAME_POSE = 1e-9  # m and rad
 
 
-class Record(NamedTuple):
-    """A line of a file: its line number, the names of its vertices, and its values."""
+def read_g2o(path: Path | str, *, form: Form = "g2o") -> tuple[Graph, FloatArray]:
+    """Read a pose graph in the plane from a file of g2o, TORO, iSAM or GTSAM.
 
-    line: int
-    ids: list[int]
-    numbers: list[float]
+    ``#`` starts a comment. Lines with tags that are not known are left out with a warning, and so are all FIX names but
+    the first, because a `Graph` holds only its first pose. A warning also says if there are no edges, or if they do not
+    connect all vertices. docs/real_data.md lists the tags.
 
-
-def read_g2o(path: Path | str) -> tuple[Graph, FloatArray]:
-    """Read a pose graph in the plane from a file of g2o or TORO.
-
-    The tags VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY and FIX of g2o are known, and VERTEX2 and EDGE2 of TORO, whose
-    information matrices have another order. ``#`` starts a comment. Lines with other tags are left out with a warning,
-    and so are all FIX names but the first, because a `Graph` holds only its first pose. A warning also says if the
-    edges do not connect all vertices.
+    If a pose is fixed, a prior on another vertex becomes an edge from that pose, with the same chi2. If no pose is
+    fixed, and there is only one prior, which agrees with its vertex, its pose is held. All other priors become edges
+    from one extra pose at the origin, and a warning contains its name.
 
     Some published graphs, such as CSAIL and KITTI, have no VERTEX lines at all. The initial guess then follows the
-    edges, breadth first, from the pose of the FIX line, or from the pose with the lowest id. That pose is the origin.
+    edges, breadth first, from the pose of the FIX line, of the first prior, or with the lowest id. That pose is at the
+    origin unless it has a prior.
 
     Parameters
     ----------
     path : path
         Path of the file.
+    form : "g2o", "toro", "isam" or "gtsam"
+        Program whose format the file has. The tags distinguish files of g2o and TORO. In files of iSAM, the
+        matrices of EDGE2, ODOMETRY and LANDMARK are square roots of information matrices. In files for GTSAM's
+        `load2D` they are covariances, and BR lines have a bearing, a range and their standard deviations.
 
     Returns
     -------
     graph : Graph
-        Poses, landmarks and edges in the order of the file, or by id if there are no VERTEX lines. The pose of a FIX
-        line comes first. `Graph.ids` contains the names of the vertices in the file.
+        Poses, landmarks and edges in the order of the file, or by id if there are no VERTEX lines. The held pose comes
+        first. `Graph.ids` contains the names of the vertices in the file.
     states : ndarray, shape (graph.size,)
         Initial guess of the file, or the guess that follows the edges; m and rad.
 
@@ -76,27 +73,30 @@ def read_g2o(path: Path | str) -> tuple[Graph, FloatArray]:
     ------
     ValueError
         If the file is missing, empty or too large. If a line has a wrong number of values, a value that is not finite,
-        an unknown or duplicate vertex, or an information matrix that is not positive definite. If there are no VERTEX
-        lines and the edges do not connect all poses. The message contains the file and the line.
+        an unknown or duplicate vertex, or a matrix that is not positive definite. If there are no VERTEX lines and the
+        edges do not connect all poses. The message contains the file and the line.
     """
+    if form not in FORMS:
+        raise ValueError(f"read_g2o: form must be one of {', '.join(FORMS)}, got {form!r}")
     path = Path(path)
-    records = _records(path)
+    records, left_out = read_records(path, form)
+    edges, notes = read_edges(path, records, form)
+    if form in ("isam", "gtsam"):
+        edges, renamed = _with_own_landmark_names(path, records, edges)
+        notes += renamed
+    fixed, fixing = _fixed(records["FIX"])
     if not (records["VERTEX_SE2"] or records["VERTEX_XY"]):
-        records |= _vertices_from_edges(path, records)
-    ids, kinds, states = _vertices(path, records)
-    number_of = {name: number for number, name in enumerate(ids)}
-    edges = sorted((record, tag) for tag in KIND_OF_END for record in records[tag])
-    ends = [_ends(path, record, KIND_OF_END[tag], number_of, kinds) for record, tag in edges]
-    measurements, information = np.zeros((len(edges), 3)), np.zeros((len(edges), 3, 3))
-    of_kind = np.array([KIND_OF_END[tag] for _, tag in edges], dtype=int)
-    for kind, width in ((POSE, 3), (LANDMARK, 2)):
-        chosen = np.flatnonzero(of_kind == kind)
-        rows = [edges[number][0] for number in chosen]
-        values = _numbers(path, rows, width + width * (width + 1) // 2)
-        measurements[chosen, :width] = values[:, :width]
-        information[chosen, :width, :width] = _information(path, rows, values[:, width:], width)
-    _warn_of_islands(path, ends, ids)
-    return Graph(np.array(ends, dtype=int), measurements, information, np.array(kinds), np.array(ids)), states
+        records |= _vertices_from_edges(path, edges, fixed)
+    poses, landmarks = _vertices(path, records, fixed)
+    edges, poses, holding = _with_priors_as_edges(edges, poses, landmarks, bool(fixed))
+    ids = [record.ids[0] for record in (*poses, *landmarks)]
+    kinds = [POSE] * len(poses) + [LANDMARK] * len(landmarks)
+    ends = _ends(path, edges, ids, kinds)
+    graph = Graph(ends, edges.z, edges.information, np.array(kinds), np.array(ids))
+    states = np.concatenate([values_of(path, poses, 3).ravel(), values_of(path, landmarks, 2).ravel()])
+    for note in (*left_out, *notes, *fixing, *holding, *parts_of(graph)):
+        warnings.warn(f"{path}: {note}", stacklevel=2)
+    return graph, states
 
 
 def write_g2o(
@@ -123,7 +123,8 @@ def write_g2o(
     Raises
     ------
     ValueError
-        If a value is not finite, because it could not be read again, or a graph with landmarks is written for TORO.
+        If a value could not be read again, because it is not finite or too large, or if a graph with landmarks is
+        written for TORO.
     """
     path = Path(path)
     poses, landmarks = graph.split(states)
@@ -135,8 +136,11 @@ def write_g2o(
         ("edges", graph.measurements),
         ("edges", graph.information),
     ):
-        if not np.isfinite(values).all():
-            raise ValueError(f"{path}: not written, because the {name} contain numbers that are not finite")
+        if not (np.abs(values) <= LARGEST_NUMBER).all():
+            raise ValueError(
+                f"{path}: not written, because the {name} contain numbers that are not finite or beyond "
+                f"+-{LARGEST_NUMBER:g}"
+            )
     lines = [
         f"{tag} {name} {_words(row)}"
         for tag, names, rows in (
@@ -170,108 +174,82 @@ def _words(values: Sequence[float]) -> str:
     return " ".join(map(repr, values))
 
 
-# --- lines ---
+def parts_of(graph: Graph) -> list[str]:
+    """Return a note if no solver can find one solution: there are no edges, or they do not connect all vertices."""
+    if not len(graph.edges):
+        return ["there are no edges, so nothing is measured"]
+    count = len(graph.ids)
+    pairs = coo_array((np.ones(len(graph.edges)), graph.edges.T), shape=(count, count))
+    number, part = connected_components(pairs, directed=False)
+    if number == 1:
+        return []
+    other = graph.ids[int(np.argmax(part != part[0]))]
+    return [
+        f"the edges do not connect all vertices: {number} parts, and vertices {graph.ids[0]} and {other} are in "
+        "different ones"
+    ]
 
 
-def _records(path: Path) -> dict[str, list[Record]]:
-    """Read the lines of a file that are not empty, grouped by g2o's tags."""
-    lines = text_of(path, LARGEST_GRAPH).splitlines()
-    records: dict[str, list[Record]] = {tag: [] for tag in WIDTHS}
-    unknown: Counter[str] = Counter()
-    for number, line in enumerate(lines, start=1):
-        words = line.partition("#")[0].split()
-        if not words:
-            continue
-        tag = words[0]
-        kind = TORO.get(tag, tag)
-        if kind not in WIDTHS:
-            unknown[tag] += 1
-            if not _TAG.fullmatch(tag) or len(unknown) > MOST_UNKNOWN_TAGS:
-                known = ", ".join([*WIDTHS, *TORO])
-                raise ValueError(f"{path}, line {number}: the tag must be one of {known}, got {brief(tag)}")
-            continue
-        if tag == "FIX" and len(words) > 2:
-            records[tag] += [_record(path, number, [name], []) for name in words[1:]]
-            continue
-        names, count = WIDTHS[kind]
-        if len(words) != 1 + names + count:
-            wanted = f"{names} {'vertex' if names == 1 else 'vertices'} and {count} numbers"
-            raise ValueError(
-                f"{path}, line {number}: {tag} needs {wanted}, {1 + names + count} words; got {len(words)}"
-            )
-        record = _record(path, number, words[1 : 1 + names], words[1 + names :])
-        if tag == "EDGE2":
-            triangle = [record.numbers[3 + place] for place in FROM_TORO]
-            record = record._replace(numbers=[*record.numbers[:3], *triangle])
-        records[kind].append(record)
-    if unknown:
-        left_out = ", ".join(f"{brief(tag)} ({say_count(times, 'line')})" for tag, times in unknown.items())
-        warnings.warn(f"{path}: left out lines whose tags are not known: {left_out}", stacklevel=3)
-    return records
+# --- vertices ---
 
 
-def _warn_of_islands(path: Path, ends: Sequence[tuple[int, int]], ids: Sequence[int]) -> None:
-    """Check that the edges connect all vertices, and warn otherwise, because no solver finds one solution then."""
-    edges = np.array(ends, dtype=int).reshape(-1, 2)
-    pairs = coo_array((np.ones(len(edges)), edges.T), shape=(len(ids), len(ids)))
-    count, part = connected_components(pairs, directed=False)
-    if count > 1:
-        other = ids[int(np.argmax(part != part[0]))]
-        warnings.warn(
-            f"{path}: the edges do not connect all vertices: {count} parts, and vertices {ids[0]} and {other} are in "
-            "different ones",
-            stacklevel=3,
-        )
+def _fixed(records: Sequence[Record]) -> tuple[list[Record], list[str]]:
+    """Return the records of FIX lines, each pose once, and a note if there are several."""
+    first = dict[int, Record]()
+    for record in records:
+        first.setdefault(record.ids[0], record)
+    fixed = list(first.values())
+    if len(fixed) < 2:
+        return fixed, []
+    return fixed, [f"FIX names {len(fixed)} poses; only the first one, {fixed[0].ids[0]}, is held"]
 
 
-def _record(path: Path, line: int, names: list[str], words: list[str]) -> Record:
-    """Convert the words of a line to vertex names and values."""
-    said = " ".join([*names, *words])
-    try:
-        if "_" in said:  # because Python would accept 1_000
-            raise ValueError
-        record = Record(line, [int(name) for name in names], [float(word) for word in words])
-    except ValueError:
+def _with_own_landmark_names(
+    path: Path, records: dict[str, list[Record]], edges: MeasuredEdges
+) -> tuple[MeasuredEdges, list[str]]:
+    """Rename the landmarks if some have the numbers of poses, because iSAM and GTSAM count them separately."""
+    to_landmark = edges.kinds == LANDMARK
+    poses = {record.ids[0] for record in records["VERTEX_SE2"]}
+    poses |= {*edges.names[:, 0].tolist(), *edges.names[~to_landmark, 1].tolist()}
+    landmarks = {record.ids[0] for record in records["VERTEX_XY"]} | {*edges.names[to_landmark, 1].tolist()}
+    if poses.isdisjoint(landmarks):
+        return edges, []
+    shift = max(poses) + 1
+    if max(landmarks) + shift >= 2**63:
         raise ValueError(
-            f"{path}, line {line}: expected integers for the vertices and numbers, got {brief(said)}"
-        ) from None
-    if not all(0 <= name < 2**63 for name in record.ids):
-        raise ValueError(
-            f"{path}, line {line}: the number of a vertex must be 0 to 2^63 - 1, got {brief(said)}"
+            f"{path}: landmarks have the numbers of poses, and the numbers are too large to change them"
         )
-    return record
+    records["VERTEX_XY"] = [record._replace(ids=[record.ids[0] + shift]) for record in records["VERTEX_XY"]]
+    names = edges.names.copy()
+    names[to_landmark, 1] += shift
+    return edges._replace(names=names), [
+        f"landmarks have the numbers of poses, so {shift} was added to theirs"
+    ]
 
 
-def _numbers(path: Path, records: Sequence[Record], width: int) -> FloatArray:
-    """Return the values of records of one kind, shape (N, width), or raise an error if one is not finite."""
-    values = np.array([record.numbers for record in records], dtype=float).reshape(-1, width)
-    wrong = np.argwhere(~(np.abs(values) <= LARGEST_NUMBER))
-    if len(wrong):
-        row, column = wrong[0]
-        where, value = f"{path}, line {records[row].line}", values[row, column]
-        raise ValueError(
-            f"{where}: expected numbers within +-{LARGEST_NUMBER:g}, got {value} as number {column + 1}"
-        )
-    return values
-
-
-# --- vertices and edges ---
-
-
-def _vertices_from_edges(path: Path, records: dict[str, list[Record]]) -> dict[str, list[Record]]:
+def _vertices_from_edges(
+    path: Path, edges: MeasuredEdges, fixed: Sequence[Record]
+) -> dict[str, list[Record]]:
     """Return VERTEX records for a file without them: poses and landmarks at the ends of chains of edges."""
-    _numbers(path, records["EDGE_SE2"], 9)
-    _numbers(path, records["EDGE_SE2_XY"], 5)
-    leading: dict[int, list[tuple[int, int, Pose]]] = {record.ids[0]: [] for record in records["EDGE_SE2_XY"]}
-    for line, (first, second), numbers in records["EDGE_SE2"]:
-        motion = Pose(*numbers[:3])
-        leading.setdefault(first, []).append((line, second, motion))
-        leading.setdefault(second, []).append((line, first, motion.inverse()))
+    leading = dict[int, list[tuple[int, int, Pose]]]()
+    seen, priors = list[tuple[int, int, int, FloatArray]](), dict[int, Pose]()
+    for line, (first, second), kind, z in zip(
+        edges.lines.tolist(), edges.names.tolist(), edges.kinds.tolist(), edges.z, strict=True
+    ):
+        if first == ORIGIN and kind == POSE:
+            priors.setdefault(second, Pose(*z))
+        elif first != ORIGIN:
+            leading.setdefault(first, [])
+        if kind == LANDMARK:
+            seen.append((line, first, second, z[:2]))
+        elif first != ORIGIN:
+            leading[first].append((line, second, Pose(*z)))
+            leading.setdefault(second, []).append((line, first, Pose(*z).inverse()))
     if not leading:
         return {}
-    fixed = [record.ids[0] for record in records["FIX"] if record.ids[0] in leading]
-    start = fixed[0] if fixed else min(leading)
-    poses, lines, queue = {start: Pose()}, {start: 1}, deque([start])
+    begin = [name for name in (*(record.ids[0] for record in fixed), *priors) if name in leading]
+    start = begin[0] if begin else min(leading)
+    poses, lines, queue = {start: Pose() if fixed else priors.get(start, Pose())}, {start: 1}, deque([start])
     while queue:
         current = queue.popleft()
         for line, name, motion in leading[current]:
@@ -284,8 +262,8 @@ def _vertices_from_edges(path: Path, records: dict[str, list[Record]]) -> dict[s
             f"vertex {start}"
         )
     landmarks: dict[int, Record] = {}
-    for line, (first, second), numbers in records["EDGE_SE2_XY"]:
-        place = poses[first].to_parent(numbers[:2])[0].tolist()
+    for line, first, second, z in seen:
+        place = poses.get(first, Pose()).to_parent(z)[0].tolist()
         landmarks.setdefault(second, Record(line, [second], place))
     return {
         "VERTEX_SE2": [
@@ -295,11 +273,15 @@ def _vertices_from_edges(path: Path, records: dict[str, list[Record]]) -> dict[s
     }
 
 
-def _vertices(path: Path, records: dict[str, list[Record]]) -> tuple[list[int], list[int], FloatArray]:
-    """Return names, kinds and states of all vertices: first the pose of a FIX line, other poses, then landmarks."""
+def _vertices(
+    path: Path, records: dict[str, list[Record]], fixed: Sequence[Record]
+) -> tuple[list[Record], list[Record]]:
+    """Return the poses, of which the first one of a FIX line comes first, and the landmarks."""
     poses, landmarks = list(records["VERTEX_SE2"]), records["VERTEX_XY"]
     if not poses:
         raise ValueError(f"{path}: a graph needs poses, but no line begins with VERTEX_SE2 or EDGE_SE2")
+    values_of(path, poses, 3)  # which refuses values that are not finite
+    values_of(path, landmarks, 2)
     seen: dict[int, int] = {}
     for record in sorted([*poses, *landmarks]):
         name = record.ids[0]
@@ -309,62 +291,82 @@ def _vertices(path: Path, records: dict[str, list[Record]]) -> tuple[list[int], 
             )
         seen[name] = record.line
     row_of = {record.ids[0]: row for row, record in enumerate(poses)}
-    for fixed in records["FIX"]:
-        if fixed.ids[0] not in row_of:
-            raise ValueError(f"{path}, line {fixed.line}: there is no pose {fixed.ids[0]}")
-    held = list(dict.fromkeys(fixed.ids[0] for fixed in records["FIX"]))
-    if held:
-        poses.insert(0, poses.pop(row_of[held[0]]))
-    if len(held) > 1:
-        warnings.warn(
-            f"{path}: FIX names {len(held)} poses; only the first one, {held[0]}, is held", stacklevel=4
-        )
-    states = np.concatenate([_numbers(path, poses, 3).ravel(), _numbers(path, landmarks, 2).ravel()])
-    ids = [record.ids[0] for record in (*poses, *landmarks)]
-    return ids, [POSE] * len(poses) + [LANDMARK] * len(landmarks), states
+    for each in fixed:
+        if each.ids[0] not in row_of:
+            raise ValueError(f"{path}, line {each.line}: there is no pose {each.ids[0]}")
+    if fixed:
+        poses.insert(0, poses.pop(row_of[fixed[0].ids[0]]))
+    return poses, landmarks
+
+
+# --- edges ---
+
+
+def _with_priors_as_edges(
+    edges: MeasuredEdges, poses: list[Record], landmarks: list[Record], fixed: bool
+) -> tuple[MeasuredEdges, list[Record], list[str]]:
+    """Return edges without priors, the poses with the held one first, and notes on what changed."""
+    prior = edges.names[:, 0] == ORIGIN
+    if not prior.any():
+        return edges, poses, []
+    if fixed:
+        return _seen_from(poses[0], edges, prior), poses, _notes_on_held(poses[0], edges, prior)
+    which = np.flatnonzero(prior)
+    row_of = {record.ids[0]: row for row, record in enumerate(poses)}
+    row = row_of.get(int(edges.names[which[0], 1]))
+    if len(which) == 1 and row is not None and edges.kinds[which[0]] == POSE:
+        error = Pose(*edges.z[which[0]]).inverse() @ Pose(*poses[row].numbers)
+        if np.abs(error.as_array()).max() <= SAME_POSE:
+            return _seen_from(poses[row], edges, prior), [poses[row], *poses[:row], *poses[row + 1 :]], []
+    names = {record.ids[0] for record in (*poses, *landmarks)}
+    extra = next(name for name in itertools.count() if name not in names)
+    note = f"added pose {extra}, which is held at the origin, for {say_count(len(which), 'prior')}"
+    held = Record(1, [extra], [0.0, 0.0, 0.0])
+    return _seen_from(held, edges, prior), [held, *poses], [note]
+
+
+def _seen_from(held: Record, edges: MeasuredEdges, prior: npt.NDArray[np.bool_]) -> MeasuredEdges:
+    """Return edges in which priors are measured from the held pose; those on the held pose itself are left out."""
+    name, pose = held.ids[0], Pose(*held.numbers)
+    names, z, information = edges.names.copy(), edges.z.copy(), edges.information.copy()
+    names[prior, 0] = name
+    turn = np.eye(3)
+    turn[:2, :2] = rotation_2d(-pose.theta)
+    for number in np.flatnonzero(prior):
+        if edges.kinds[number] == POSE:
+            z[number] = (pose.inverse() @ Pose(*z[number])).as_array()
+        else:
+            z[number, :2] = pose.to_local(z[number, :2])[0]
+            information[number] = turn @ information[number] @ turn.T
+    kept = ~(prior & (names[:, 1] == name))
+    return MeasuredEdges(edges.lines[kept], names[kept], edges.kinds[kept], z[kept], information[kept])
+
+
+def _notes_on_held(held: Record, edges: MeasuredEdges, prior: npt.NDArray[np.bool_]) -> list[str]:
+    """Return a note if there are priors on the held pose."""
+    count = int(np.count_nonzero(prior & (edges.names[:, 1] == held.ids[0])))
+    return [
+        f"left out {say_count(count, 'prior')} of pose {held.ids[0]}, because FIX holds it where its vertex is"
+    ] * bool(count)
 
 
 def _ends(
-    path: Path, record: Record, kind: int, number_of: dict[int, int], kinds: Sequence[int]
-) -> tuple[int, int]:
-    """Return the indices of an edge's two ends, after checking that they have the kinds of the edge's tag."""
-    first, second = record.ids
-    for name, wanted in ((first, POSE), (second, kind)):
-        number = number_of.get(name)
-        if number is None:
-            raise ValueError(f"{path}, line {record.line}: there is no vertex {name}")
-        if kinds[number] != wanted:
-            is_a, should = NAME_OF_KIND[kinds[number]], NAME_OF_KIND[wanted]
-            raise ValueError(
-                f"{path}, line {record.line}: vertex {name} must be a {should}, but it is a {is_a}"
-            )
-    if first == second:
-        raise ValueError(f"{path}, line {record.line}: the edge connects vertex {first} with itself")
-    return number_of[first], number_of[second]
-
-
-def _information(path: Path, records: Sequence[Record], upper: FloatArray, width: int) -> FloatArray:
-    """Return full information matrices (N, width, width) from the upper triangles in the file."""
-    full = np.zeros((len(upper), width, width))
-    rows, columns = np.triu_indices(width)
-    full[:, rows, columns] = full[:, columns, rows] = upper
-    for record, good in zip(records, positive_definite(full), strict=True):
-        if not good:
-            raise ValueError(
-                f"{path}, line {record.line}: the information matrix is singular or not positive definite: "
-                f"{' '.join(f'{value:g}' for value in record.numbers[width:])} (its upper triangle)"
-            )
-    return full
-
-
-def positive_definite(matrices: FloatArray) -> npt.NDArray[np.bool_]:
-    """Return for each symmetric matrix (N, n, n) whether it is positive definite and not nearly singular.
-
-    The diagonals are scaled to 1 before, so the result does not depend on the units.
-    """
-    diagonal = np.diagonal(matrices, axis1=1, axis2=2)
-    above = np.asarray((diagonal > 0).all(axis=1))
-    scale = 1 / np.sqrt(np.where(above[:, None], diagonal, 1.0))
-    scaled = matrices * scale[:, :, None] * scale[:, None, :]
-    smallest = np.asarray(np.linalg.eigvalsh(scaled), dtype=float)[:, 0]
-    return np.asarray(above & (smallest > LEAST_EIGENVALUE), dtype=bool)
+    path: Path, edges: MeasuredEdges, ids: Sequence[int], kinds: Sequence[int]
+) -> npt.NDArray[np.int64]:
+    """Return the indices of both ends of each edge, after checking that they have the kinds of the edge's tag."""
+    number_of = {name: number for number, name in enumerate(ids)}
+    ends = list[tuple[int, int]]()
+    for line, (first, second), kind in zip(
+        edges.lines.tolist(), edges.names.tolist(), edges.kinds.tolist(), strict=True
+    ):
+        for name, wanted in ((first, POSE), (second, kind)):
+            number = number_of.get(name)
+            if number is None:
+                raise ValueError(f"{path}, line {line}: there is no vertex {name}")
+            if kinds[number] != wanted:
+                is_a, should = NAME_OF_KIND[kinds[number]], NAME_OF_KIND[wanted]
+                raise ValueError(f"{path}, line {line}: vertex {name} must be a {should}, but it is a {is_a}")
+        if first == second:
+            raise ValueError(f"{path}, line {line}: the edge connects vertex {first} with itself")
+        ends.append((number_of[first], number_of[second]))
+    return np.array(ends, dtype=np.int64).reshape(-1, 2)

@@ -63,12 +63,24 @@ def edge(number: int, **to: Any) -> Callable[[dict[str, Any]], None]:
         (lambda graph: graph["idLookup"]["x8"].pop("offset"), "vertex 8: offset must be finite numbers"),
         (lambda graph: graph["x"].__setitem__(3, np.inf), "g.x must be finite"),
         (lambda graph: graph.pop("edges"), "expected a MATLAB file"),
+        (lambda graph: graph.update(edges=[]), "a graph needs edges"),
     ],
 )
 def test_what_is_wrong_is_refused_with_file_and_edge(tmp_path, change, message):
     graph = a_graph()
     change(graph)
     with pytest.raises(ValueError, match=rf"graph\.mat.*{message}"):
+        read_freiburg_graph(saved(tmp_path, graph))
+
+
+def test_edges_that_do_not_connect_all_vertices_are_said(tmp_path):
+    graph = a_graph()
+    graph["idLookup"] |= {"x9": {"offset": 8}, "x10": {"offset": 11}}
+    graph["x"] = np.arange(14.0)
+    graph["edges"].append(graph["edges"][0] | {"from": 9, "to": 10})
+    with pytest.warns(
+        UserWarning, match=r"graph\.mat: .*2 parts, and vertices 7 and 9 are in different ones"
+    ):
         read_freiburg_graph(saved(tmp_path, graph))
 
 
