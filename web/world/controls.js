@@ -17,12 +17,14 @@ export class Controls {
     on("pointermove", (event) => this.drag(event));
     for (const name of ["pointerup", "pointercancel"]) on(name, (event) => this.pointers.delete(event.pointerId));
     on("contextmenu", (event) => event.preventDefault());
-    // Without a click first, the wheel scrolls the page. In the control panel a click gives its key field the keys.
+    // Without Shift or a click first, the wheel scrolls the page. In the control panel a click gives its key field the
+    // keys. With Shift, some browsers turn the wheel sideways.
     on("wheel", (event) => {
       const { activeElement } = canvas.getRootNode();
-      if (activeElement !== canvas && !activeElement?.closest(".nao-panel")?.contains(canvas)) return;
+      const clicked = activeElement === canvas || activeElement?.closest(".nao-panel")?.contains(canvas);
+      if (!clicked && !event.shiftKey) return;
       event.preventDefault();
-      this.zoom(Math.exp(clamp(event.deltaY, [-200, 200]) * 0.0015));
+      this.zoom(Math.exp(clamp(event.deltaY || event.deltaX, [-200, 200]) * 0.0015));
     }, { passive: false });
     on("keydown", (event) => {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
