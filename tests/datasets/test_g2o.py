@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nao_course.datasets import graph_lines, read_g2o, write_g2o
+from nao_course.geometry import Pose
 from nao_course.graphs import LANDMARK, POSE, Graph
 
 GOOD = [
@@ -180,14 +181,138 @@ def test_a_graph_for_toro_is_read_again_to_the_last_bit_and_has_no_landmarks(tmp
         write_g2o(graph, states, tmp_path / "own.graph", form="toro")
 
 
+# --- other programs ---
+
+
+def errors(states: np.ndarray, graph: Graph) -> np.ndarray:
+    """Return the errors (x, y, angle) of all edges in g2o's convention, (E, 3); a landmark's angle is 0."""
+    poses, landmarks = graph.split(states)
+    ends = np.vstack([poses, np.column_stack([landmarks, np.zeros(graph.landmarks)])])
+    found = []
+    for (first, second), z in zip(graph.edges, graph.measurements, strict=True):
+        if second < graph.poses:
+            found.append(
+                (Pose(*z).inverse() @ Pose(*poses[first]).inverse() @ Pose(*ends[second])).as_array()
+            )
+        else:
+            found.append([*(Pose(*poses[first]).to_local(ends[second, :2])[0] - z[:2]), 0])
+    return np.array(found)
+
+
+def logarithms(residuals: np.ndarray) -> np.ndarray:
+    """Return the logarithms of relative poses (x, y, angle), as GTSAM 4.3 computes its errors, (E, 3)."""
+    half = residuals[:, 2] / 2
+    along = np.where(np.abs(half) < 1e-8, 1, half / np.tan(np.where(half == 0, 1, half)))
+    x, y = residuals[:, :2].T
+    return np.column_stack([along * x + half * y, along * y - half * x, residuals[:, 2]])
+
+
+def chi2(residuals: np.ndarray, information: np.ndarray) -> float:
+    return float(np.einsum("ki,kij,kj->", residuals, information, residuals))
+
+
+def chi2_of_gtsam(gtsam, states: np.ndarray, graph: Graph) -> float:
+    """Return the chi2 of the edges between poses by the formula of the installed version."""
+    chosen = graph.edges[:, 1] < graph.poses
+    factor = gtsam.BetweenFactorPose2(0, 1, gtsam.Pose2(), gtsam.noiseModel.Unit.Create(3))
+    values = gtsam.Values()
+    values.insert(0, gtsam.Pose2())
+    values.insert(1, gtsam.Pose2(1, 0, 1))
+    residuals = errors(states, graph)
+    if not np.isclose(2 * factor.error(values), 2):
+        residuals = logarithms(residuals)
+    return chi2(residuals[chosen], graph.information[chosen])
+
+
+@pytest.mark.slow
+def test_gtsam_reads_what_is_written_except_for_edges_to_landmarks(tmp_path, rng):
+    gtsam = pytest.importorskip("gtsam")
+    graph, states = some_graph(rng, 20, 10, 60)
+    factors, values = gtsam.readG2o(str(write_g2o(graph, states, tmp_path / "own.g2o")), False)
+    assert (factors.size(), values.size()) == (len(graph.pose_edges.z), len(graph.ids))
+    assert 2 * factors.error(values) == pytest.approx(chi2_of_gtsam(gtsam, states, graph), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_gtsam_reads_toros_form_if_its_noise_format_is_given(tmp_path, rng):
+    gtsam = pytest.importorskip("gtsam")
+    graph, states = some_graph(rng, 20, 0, 60)
+    path = write_g2o(graph, states, tmp_path / "own.graph", form="toro")
+    factors, values = gtsam.load2D(str(path), None, 0, False, True, gtsam.NoiseFormat.NoiseFormatTORO)
+    assert (factors.size(), values.size()) == (60, 20)
+    assert 2 * factors.error(values) == pytest.approx(chi2_of_gtsam(gtsam, states, graph), rel=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["openslam_intel", "MIT", "input_M3500_g2o"])
-def test_gtsam_reads_as_many_vertices_and_edges_as_were_written(data_dir, tmp_path, name):
+def test_gtsam_reads_the_standard_graphs_as_they_are_written(data_dir, tmp_path, name):
     gtsam = pytest.importorskip("gtsam")
     graph, states = read_g2o(data_dir / "slam" / "g2o" / f"{name}.g2o")
     factors, values = gtsam.readG2o(str(write_g2o(graph, states, tmp_path / "own.g2o")), False)
     assert (factors.size(), values.size()) == (len(graph.edges), graph.poses)
+    assert 2 * factors.error(values) == pytest.approx(chi2_of_gtsam(gtsam, states, graph), rel=1e-6)
 
+
+@pytest.mark.slow
+def test_gtsams_own_files_of_covariances_bearings_and_ranges_have_its_chi2(tmp_path):
+    """The errors are small, because we linearise bearings and ranges at the measurement."""
+    gtsam = pytest.importorskip("gtsam")
+    lines = [
+        "VERTEX2 0 0 0 0",
+        "VERTEX2 1 1 0 0.2",
+        "VERTEX_XY 0 3 1",
+        "EDGE2 0 1 1.01 0.02 0.201 0.04 0 0.01 0.09 0 0",
+    ]
+    lines += ["BR 0 0 0.323 3.16 0.01 0.1", "BR 1 0 0.264 2.24 0.01 0.1"]
+    path = written(tmp_path, lines)
+    factors, values = gtsam.load2D(str(path))
+    with pytest.warns(UserWarning, match="2 was added to theirs"):
+        graph, states = read_g2o(path, form="gtsam")
+    assert (factors.size(), values.size()) == (3, 3)
+    assert chi2(errors(states, graph), graph.information) == pytest.approx(
+        2 * factors.error(values), rel=0.01
+    )
+
+
+def read_by_g2o(path) -> tuple[int, int, float]:
+    """Return the numbers of vertices and edges that g2o itself reads, and its chi2."""
+    g2opy = pytest.importorskip("g2opy")
+    optimizer = g2opy.SparseOptimizer()
+    assert optimizer.load(str(path))
+    for edge in optimizer.edges():
+        edge.compute_error()
+    return len(optimizer.vertices()), len(optimizer.edges()), sum(edge.chi2() for edge in optimizer.edges())
+
+
+@pytest.mark.slow
+def test_g2o_itself_reads_what_is_written(tmp_path, rng):
+    graph, states = some_graph(rng, 20, 10, 60)
+    vertices, edges, found = read_by_g2o(write_g2o(graph, states, tmp_path / "own.g2o"))
+    assert (vertices, edges) == (30, 60)
+    assert found == pytest.approx(chi2(errors(states, graph), graph.information), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_priors_and_offsets_have_the_chi2_of_g2o_itself(tmp_path):
+    lines = ["PARAMS_SE2OFFSET 7 0.3 -0.1 1.2", "PARAMS_SE2OFFSET 8 0 0 -0.7", *GOOD[1:], "FIX 7"]
+    lines += ["EDGE_PRIOR_SE2 3 1.4 0.1 0.3 10 1 2 20 3 30", "EDGE_PRIOR_XY 9 2.1 1.8 4 1 9"]
+    lines += ["EDGE_SE2_OFFSET 7 3 7 8 0.5 -1 -1.5 10 1 2 20 3 30"]
+    path = written(tmp_path, lines)
+    graph, states = read_g2o(path)
+    vertices, edges, found = read_by_g2o(path)
+    assert (vertices, edges) == (3, 5) == (len(graph.ids), len(graph.edges))
+    assert found == pytest.approx(chi2(errors(states, graph), graph.information), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_g2o_leaves_the_offset_out_of_the_error_of_a_landmark(tmp_path):
+    """Its error is that of the robot, so we warn that ours differs."""
+    edge = "EDGE_SE2_POINTXY_OFFSET 3 9 8 0.5 2 4 0 4"
+    near = read_by_g2o(written(tmp_path, ["PARAMS_SE2OFFSET 8 0 0 0", *GOOD, edge]))
+    assert near == pytest.approx(read_by_g2o(written(tmp_path, ["PARAMS_SE2OFFSET 8 9 9 1", *GOOD, edge])))
+
+
+# --- graphs without vertices ---
 
 QUARTER = np.pi / 2
 CHAIN = [  # a step of 1 m ahead and a quarter turn left each; the loop is closed wrongly on purpose
