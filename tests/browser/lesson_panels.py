@@ -32,6 +32,12 @@ def panel_cells() -> list[tuple[str, int]]:
     ]
 
 
+def panels_by_kind() -> dict[str, tuple[str, int]]:
+    """Return (lesson, number of the code cell) of the first panel of each kind, by the name of its class."""
+    cells = {(lesson, number): code_cells(lesson)[number] for lesson, number in reversed(panel_cells())}
+    return {_parsed(source)[-1].value.func.id: place for place, source in cells.items()}
+
+
 def panel_of(lesson: str, number: int) -> Any:
     """Return the panel of a code cell: its names come from the solution and, if needed, from earlier cells."""
     with resolved_by(solutions_beside(SOLUTIONS / f"{lesson}.ipynb")):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from nao_course.widgets.control_panel.screen import WORLD_HINT
 from tests.browser.lab import wait_for
 from tests.browser.notebook_page import panel_of, screenshot
 
@@ -86,6 +87,39 @@ def test_a_key_right_after_a_click_is_the_panels_and_a_frame_says_so(page, panel
         assert page.evaluate("window.naoKeys.length") == number, selector
     assert page.evaluate(cells) == 2
     assert panel.evaluate("each => getComputedStyle(each).outlineStyle") == "solid"
+
+
+def test_in_three_dimensions_the_caption_is_true(page, panel):
+    place_of = "() => document.querySelector('.nao-face .nao-world').naoWorld.controls.viewpoint"
+    panel.locator(".nao-do-world").click()
+    world = page.locator(".nao-face .nao-world")
+    world.wait_for()
+    assert world.locator(".keys").inner_text() == WORLD_HINT
+    box = world.locator(".stage").bounding_box()
+    page.evaluate("document.activeElement.blur()")
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    seen = [page.evaluate(place_of)]
+
+    def after(act):
+        act()
+        page.wait_for_timeout(200)
+        seen.append(page.evaluate(place_of))
+        return seen[-1]
+
+    assert after(lambda: page.mouse.wheel(0, -150)) == seen[0], "without a click the wheel scrolls the page"
+    page.mouse.wheel(0, 150)
+    panel.evaluate("each => each.scrollIntoView({block: 'start'})")
+    page.keyboard.down("Shift")
+    assert after(lambda: page.mouse.wheel(0, -150))["distance"] < seen[0]["distance"]
+    page.keyboard.up("Shift")
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] / 2 + 40, box["y"] + box["height"] / 2, steps=4)
+    assert after(page.mouse.up)["azimuth"] < seen[0]["azimuth"]
+    assert after(lambda: page.mouse.wheel(0, -150))["distance"] < seen[-2]["distance"]
+    screenshot(page, "control_panel_3d")
+    page.keyboard.press("ArrowUp")
+    wait_for(lambda: "ahead: done" in page.locator(".nao-over").inner_text(), "a walk", 30)
+    assert page.evaluate(place_of) == seen[-1], "the arrows drive the robot"
 
 
 def test_after_a_restart_a_sentence_says_what_to_do_instead_of_broken_icons(lab, page, panel):

@@ -95,6 +95,19 @@ def test_a_film_plays_on_a_page_of_its_own(on_a_page):
     screenshot(on_a_page.page, "film_page", on_a_page)
 
 
+def test_space_plays_and_pauses_after_any_button_was_pressed(on_a_page):
+    play, page = on_a_page.locator(".nao-film-play"), on_a_page.page
+    for number in range(on_a_page.locator("button").count()):
+        on_a_page.locator("button").nth(number).click()
+        before = play.inner_text()
+        page.keyboard.press("Space")
+        assert play.inner_text() != before
+        page.keyboard.press("Home")  # pauses at the first frame
+        page.keyboard.press("Space")
+        assert "Pause" in play.inner_text()
+        page.keyboard.press("Home")
+
+
 @pytest.mark.parametrize("width", [390, 1280])
 def test_nothing_of_a_film_is_wider_than_its_page(on_a_page, width):
     on_a_page.page.set_viewport_size({"width": width, "height": 800})

@@ -24,6 +24,18 @@ live.update(MapContents({"truth": path, "ekf": path}, estimate, [Measurement(0.1
 SURE = """estimate = Estimate(path[-1], np.eye(3) / 2000, [], [])
 live.update(MapContents({"truth": path, "ekf": path}, estimate, (), "ekf"))"""
 AGAIN = "live.widget"
+SHORT = """from nao_course.widgets.vector_map import ShortAxis
+true = Pose(1.49, 0.03, 2.0)
+axis, heading = ShortAxis("across", 0.6, 0.02, 0.05), ShortAxis("of heading", 1.9, 0.02, 0.1, True)
+estimate = Estimate(path[-1], np.diag([0.02, 0.02, 0.01]) ** 2, [], [])
+live.update(MapContents({"truth": [true], "ekf": path}, estimate, (), "ekf", short=axis))"""
+HEADING = """live.update(MapContents({"truth": [true], "ekf": path}, estimate, (), "ekf", short=heading))"""
+AWAY = """live.update(MapContents({"truth": [true], "ekf": [*path, Pose(2.0, 6.1, 1.5)]}, None, (), "ekf"))"""
+# The part of a canvas that has the colour of the axis that is too small
+RED = """canvas => { const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  let red = 0;
+  for (let i = 0; i < data.length; i += 4) red += data[i] > 150 && data[i + 1] < 30 && data[i + 2] < 60;
+  return red / data.length * 4; }"""
 # The colour of a pixel of the map by its position on the field, mm
 COLOUR = """([number, x, y]) => {
   const canvas = document.querySelectorAll('.nao-map-canvas')[number], ratio = devicePixelRatio || 1;
@@ -58,3 +70,22 @@ def test_a_live_map_shows_what_python_sends_on_every_page(lab, page):
     page.locator(".nao-map-lens").wait_for(timeout=60_000)
     assert page.locator(".nao-map-lens").inner_text() == "10 cm around the estimate, enlarged"
     assert page.evaluate(IN_THE_LENS, 25) != [0xB5, 0xD1, 0xAC] == page.evaluate(IN_THE_LENS, 45)
+
+
+def test_the_lens_shows_the_axis_or_heading_that_is_too_small_and_an_arrow_the_robot_outside(lab, page):
+    lens = page.locator(".nao-map-lens")
+    for number, (cells, words) in enumerate(
+        (([SHORT], "10 cm around the estimate, enlarged"), ([SHORT, HEADING], "; angles 10 × as wide"))
+    ):
+        run_notebook(lab, page, f"short{number}.ipynb", MAKE, DRIVE, *cells)
+        lens.wait_for(timeout=60_000)
+        wait_for(lambda: lens.locator("canvas").evaluate(RED) > 0.01, "the axis in the lens", 20)
+        assert lens.inner_text().endswith(words)
+        screenshot(page, f"live_map_short_{number}")
+    run_notebook(lab, page, "away.ipynb", MAKE, DRIVE, SHORT, AWAY)
+    page.locator(".nao-map-canvas").wait_for(timeout=60_000)
+    screenshot(page, "live_map_away")
+    # Above the field, whose upper edge is at 2.7 m, and below its middle
+    assert (
+        page.evaluate(COLOUR, [0, 2000, 2600]) == [0x0B, 0x5F, 0xA5] != page.evaluate(COLOUR, [0, 2000, 2000])
+    )
