@@ -249,7 +249,7 @@ def student_copy(solved: NotebookNode) -> NotebookNode:
 
 def _shows_panel(cell: NotebookNode) -> bool:
     """Return whether a code cell ends with a panel or a film: with ``panel``, or with the call that makes one."""
-    (*_, last) = ast.parse(lesson_text.python(cell)).body or [None]
+    *_, last = None, *ast.parse(lesson_text.python(cell)).body
     shown = last.value if isinstance(last, ast.Expr) else None
     made = shown.func if isinstance(shown, ast.Call) else shown
     name = str(getattr(made, "id", getattr(made, "attr", "")))
