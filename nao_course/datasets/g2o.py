@@ -50,7 +50,7 @@ def read_g2o(path: Path | str, *, form: Form = "g2o") -> tuple[Graph, FloatArray
 
     Some published graphs, such as CSAIL and KITTI, have no VERTEX lines at all. The initial guess then follows the
     edges, breadth first, from the pose of the FIX line, of the first prior, or with the lowest id. That pose is at the
-    origin unless it has a prior.
+    origin unless it has a prior. In files of iSAM and GTSAM, landmarks alone may also have no VERTEX lines.
 
     Parameters
     ----------
@@ -87,6 +87,8 @@ def read_g2o(path: Path | str, *, form: Form = "g2o") -> tuple[Graph, FloatArray
     fixed, fixing = _fixed(records["FIX"])
     if not (records["VERTEX_SE2"] or records["VERTEX_XY"]):
         records |= _vertices_from_edges(path, edges, fixed)
+    elif form in ("isam", "gtsam"):
+        records["VERTEX_XY"] += _landmarks_from_edges(edges, records["VERTEX_SE2"], records["VERTEX_XY"])
     poses, landmarks = _vertices(path, records, fixed)
     edges, poses, holding = _with_priors_as_edges(edges, poses, landmarks, bool(fixed))
     ids = [record.ids[0] for record in (*poses, *landmarks)]
@@ -231,29 +233,27 @@ def _vertices_from_edges(
     path: Path, edges: MeasuredEdges, fixed: Sequence[Record]
 ) -> dict[str, list[Record]]:
     """Return VERTEX records for a file without them: poses and landmarks at the ends of chains of edges."""
-    leading = dict[int, list[tuple[int, int, Pose]]]()
-    seen, priors = list[tuple[int, int, int, FloatArray]](), dict[int, Pose]()
-    for line, (first, second), kind, z in zip(
-        edges.lines.tolist(), edges.names.tolist(), edges.kinds.tolist(), edges.z, strict=True
-    ):
+    leading = dict[int, list[tuple[int, int, list[float], bool]]]()
+    priors = dict[int, Pose]()
+    for line, (first, second), kind, z in _rows(edges):
         if first == ORIGIN and kind == POSE:
             priors.setdefault(second, Pose(*z))
         elif first != ORIGIN:
             leading.setdefault(first, [])
-        if kind == LANDMARK:
-            seen.append((line, first, second, z[:2]))
-        elif first != ORIGIN:
-            leading[first].append((line, second, Pose(*z)))
-            leading.setdefault(second, []).append((line, first, Pose(*z).inverse()))
+            if kind == POSE:
+                leading[first].append((line, second, z, True))
+                leading.setdefault(second, []).append((line, first, z, False))
     if not leading:
         return {}
     begin = [name for name in (*(record.ids[0] for record in fixed), *priors) if name in leading]
     start = begin[0] if begin else min(leading)
-    poses, lines, queue = {start: Pose() if fixed else priors.get(start, Pose())}, {start: 1}, deque([start])
+    poses, lines = {start: Pose() if fixed else priors.get(start, Pose())}, {start: 1}
+    queue = deque([start])
     while queue:
         current = queue.popleft()
-        for line, name, motion in leading[current]:
+        for line, name, z, ahead in leading[current]:
             if name not in poses:
+                motion = Pose(*z) if ahead else Pose(*z).inverse()
                 poses[name], lines[name] = poses[current] @ motion, line
                 queue.append(name)
     if unreachable := leading.keys() - poses.keys():
@@ -261,16 +261,29 @@ def _vertices_from_edges(
             f"{path}: vertex {min(unreachable)} has no VERTEX line, and no chain of edges connects it with "
             f"vertex {start}"
         )
-    landmarks: dict[int, Record] = {}
-    for line, first, second, z in seen:
-        place = poses.get(first, Pose()).to_parent(z)[0].tolist()
-        landmarks.setdefault(second, Record(line, [second], place))
-    return {
-        "VERTEX_SE2": [
-            Record(lines[name], [name], poses[name].as_array().tolist()) for name in sorted(poses)
-        ],
-        "VERTEX_XY": [landmarks[name] for name in sorted(landmarks.keys() - poses.keys())],
-    }
+    records = [Record(lines[name], [name], poses[name].as_array().tolist()) for name in sorted(poses)]
+    return {"VERTEX_SE2": records, "VERTEX_XY": _landmarks_from_edges(edges, records, [])}
+
+
+def _landmarks_from_edges(
+    edges: MeasuredEdges, poses: Sequence[Record], landmarks: Sequence[Record]
+) -> list[Record]:
+    """Return VERTEX_XY records of landmarks without one, by name, each where its first measurement places it."""
+    place_of = {record.ids[0]: record.numbers for record in poses} | {ORIGIN: [0.0, 0.0, 0.0]}
+    known = {*place_of, *(record.ids[0] for record in landmarks)}
+    found = dict[int, Record]()
+    for line, (first, second), kind, z in _rows(edges):
+        if kind == LANDMARK and second not in known and second not in found and first in place_of:
+            place = Pose(*place_of[first]).to_parent(z[:2])[0].tolist()
+            found[second] = Record(line, [second], place)
+    return [found[name] for name in sorted(found)]
+
+
+def _rows(edges: MeasuredEdges) -> Iterator[tuple[int, list[int], int, list[float]]]:
+    """Yield line, names, kind and z of each edge."""
+    return zip(
+        edges.lines.tolist(), edges.names.tolist(), edges.kinds.tolist(), edges.z.tolist(), strict=True
+    )
 
 
 def _vertices(
@@ -356,9 +369,7 @@ def _ends(
     """Return the indices of both ends of each edge, after checking that they have the kinds of the edge's tag."""
     number_of = {name: number for number, name in enumerate(ids)}
     ends = list[tuple[int, int]]()
-    for line, (first, second), kind in zip(
-        edges.lines.tolist(), edges.names.tolist(), edges.kinds.tolist(), strict=True
-    ):
+    for line, (first, second), kind, _ in _rows(edges):
         for name, wanted in ((first, POSE), (second, kind)):
             number = number_of.get(name)
             if number is None:
