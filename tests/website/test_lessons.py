@@ -60,6 +60,7 @@ LESSONS = {
 README = (PROJECT / "README.md").read_text(encoding="utf-8")
 GUIDE = (PROJECT / "docs" / "teach_the_course.md").read_text(encoding="utf-8")
 SYLLABUS = (PROJECT / "docs" / "syllabus.md").read_text(encoding="utf-8")
+RUN = "run `.venv/bin/python -m website.guide`"
 
 
 def rows_under(head, page=GUIDE):
@@ -72,31 +73,23 @@ def numbers(cell):
     return tuple(re.findall(r"\d\d", cell))
 
 
-def test_the_guide_says_each_lessons_minutes_points_and_what_it_takes():
-    rows = rows_under("| week | lesson |")
-    for row, each in zip(rows, LESSONS.values(), strict=True):
-        points = f"{each.points:g} ({each.written:g})" if each.written else f"{each.points:g}"
-        facts = f"{each.number} {each.title}", str(each.minutes), str(each.later or "-"), points, each.takes
-        assert (*row[1:5], numbers(row[5])) == facts, "run `python -m website.guide`"
-
-
-def test_the_command_writes_the_rows_and_keeps_the_rest():
+def test_the_tables_are_made_from_the_lessons_and_the_command_keeps_the_rest():
     changed = re.sub(
         r"^(\| \d+ \| \d\d [^|]*\|) \d+ \| .*$", r"\1 1 | - | 2 (3) | 99 | x | y |", GUIDE, flags=re.M
     )
     changed = re.sub(r"^(\| [a-z ]+ \| \d\d, [^|]*\|) \d+ \| [^|]* \|", r"\1 7 | 98 |", changed, flags=re.M)
     assert changed.count("| 2 (3) | 99 |") == len(LESSONS) and changed.count("| 7 | 98 |") == 3
-    assert guide_with_lessons(changed, LESSONS.values()) == GUIDE
+    assert guide_with_lessons(changed, LESSONS.values()) == GUIDE, RUN
     readme = re.sub(r"^\| \[\d\d .* \|$\n", "", README, flags=re.M)
     assert "hsl_filtering.ipynb" not in readme
-    assert readme_with_lessons(readme, LESSONS.values()) == README
+    assert readme_with_lessons(readme, LESSONS.values()) == README, RUN
     syllabus = re.sub(r"^(\| [^|]+ \| \d\d) .*$", r"\1 x | y |", SYLLABUS, flags=re.M)
     assert syllabus.count(" x | y |") == len(LESSONS)
-    assert syllabus_with_lessons(syllabus, LESSONS.values()) == SYLLABUS
+    assert syllabus_with_lessons(syllabus, LESSONS.values()) == SYLLABUS, RUN
 
 
 def test_the_syllabus_says_what_students_can_do_and_its_weeks_are_those_of_the_plan():
-    assert "TODO" not in SYLLABUS, "say `can` in solutions/lessons.toml, and run `python -m website.guide`"
+    assert "TODO" not in SYLLABUS, f"say `can` in solutions/lessons.toml, and {RUN}"
     weeks = {row[1][:2]: row[0].split(",")[0] for row in rows_under("| week | lesson |", SYLLABUS)}
     plan = rows_under("| week | in the room | at home |")
     planned = {number: week for week, room, *_ in plan for number in numbers(room)[:1]}
@@ -140,8 +133,3 @@ def test_what_goes_wrong_in_class_is_a_mistake_that_a_check_of_that_lesson_names
         notebook = (PROJECT / "notebooks" / f"{name}.ipynb").read_text(encoding="utf-8")
         assert f'check(\\"{exercise}\\"' in notebook, where
         assert mistake in [each.name for each in plans[number][exercise].mistakes], where
-
-
-def test_the_readme_says_how_long_each_lesson_takes():
-    table = dict(re.findall(r"^\| \[(\d\d) .* \| (\d+) \|$", README, re.MULTILINE))
-    assert table == {each.number: str(each.minutes + each.later) for each in LESSONS.values()}
