@@ -1,6 +1,7 @@
 """Readers for recorded data: pictures of a real robot, logs of drives, and pose graphs."""
 
 from nao_course._internal.lazy_names import list_public
+from nao_course.datasets.carmen import CarmenLog, read_carmen_log
 from nao_course.datasets.files import DATA_VARIABLE, data_folder
 from nao_course.datasets.freiburg_graph import read_freiburg_graph
 from nao_course.datasets.g2o import read_g2o, write_g2o
@@ -12,22 +13,27 @@ from nao_course.datasets.logs import (
     read_homework_log,
     write_homework_log,
 )
+from nao_course.datasets.mrclam import MrclamLog, read_mrclam_log
 from nao_course.datasets.pictures import AnnotatedPoint, PictureSet, PointKind, RealPicture, read_pictures
 
 __all__ = [
     "DATA_VARIABLE",
     "AnnotatedPoint",
+    "CarmenLog",
     "FreiburgLog",
     "HomeworkLog",
+    "MrclamLog",
     "Observations",
     "PictureSet",
     "PointKind",
     "RealPicture",
     "data_folder",
+    "read_carmen_log",
     "read_freiburg_graph",
     "read_freiburg_log",
     "read_g2o",
     "read_homework_log",
+    "read_mrclam_log",
     "read_pictures",
     "write_g2o",
     "write_homework_log",

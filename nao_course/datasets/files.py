@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 from nao_course._internal.text_encodings import NotTextError, decode_text
@@ -57,6 +59,33 @@ def text_of(path: Path, largest: int) -> str:
         return decode_text(contents(path, largest))
     except NotTextError as error:
         raise ValueError(f"{path}: {error}") from None
+
+
+def lines_of(path: Path, largest: int, comment: str | None = None) -> Iterator[tuple[str, list[str]]]:
+    """Yield a description of each line's place for messages, and its words.
+
+    Only trailing lines may be empty. If the files of a format have comments, lines without words are skipped.
+    """
+    lines = text_of(path, largest).rstrip().splitlines()
+    if not lines:
+        raise ValueError(f"{path}: expected lines of numbers, got an empty file")
+    for number, line in enumerate(lines, start=1):
+        words = (line.partition(comment)[0] if comment else line).split()
+        if words:
+            yield f"{path}, line {number}", words
+        elif not comment:
+            raise ValueError(f"{path}, line {number}: the line is empty")
+
+
+def number_of(word: str, where: str, largest: float) -> float:
+    """Return the number that a word is, or raise ValueError if it is not a number or larger than `largest`."""
+    try:
+        value = float(word) if "_" not in word else math.nan
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= largest:
+        raise ValueError(f"{where}: expected a number within +-{largest:g}, got {brief(word)}")
+    return value
 
 
 def brief(value: object) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course._internal.counts import say_count
-from nao_course.datasets.files import brief, data_folder, text_of
+from nao_course.datasets.files import brief, data_folder, lines_of, number_of
 from nao_course.geometry import FloatArray
 
 # Limits far above any real log, but low enough that a malicious file cannot use much memory or time.
@@ -254,29 +253,12 @@ def _observations(seen: dict[int, tuple[float, float]]) -> Observations:
     )
 
 
-# --- lines of numbers ---
-
-
 def _lines(path: Path) -> Iterator[tuple[str, list[str]]]:
-    """Yield a description of each line's place for messages, and its words; only trailing lines may be empty."""
-    lines = text_of(path, LARGEST_LOG).rstrip().splitlines()
-    if not lines:
-        raise ValueError(f"{path}: expected lines of numbers, got an empty file")
-    for number, line in enumerate(lines, start=1):
-        words = line.split()
-        if not words:
-            raise ValueError(f"{path}, line {number}: the line is empty")
-        yield f"{path}, line {number}", words
+    return lines_of(path, LARGEST_LOG)
 
 
 def _number(word: str, where: str) -> float:
-    try:
-        value = float(word) if "_" not in word else math.nan
-    except ValueError:
-        value = math.nan
-    if not abs(value) <= LARGEST_NUMBER:
-        raise ValueError(f"{where}: expected a number within +-{LARGEST_NUMBER:g}, got {brief(word)}")
-    return value
+    return number_of(word, where, LARGEST_NUMBER)
 
 
 def _count(words: list[str]) -> str:
