@@ -198,7 +198,7 @@ def _why(shown: Accuracy) -> str:
         return _say_short(shown.short) if shown.short else "position and heading do not fit together"
     if shown.verdict == "underconfident":
         return "error smaller than the ellipse says"
-    return "outside the ellipse, as 1 of 20 is" if shown.is_outside else "error as large as the ellipse says"
+    return "outside the ellipse, as 1 of 20 is" if shown.is_outside else "error inside the ellipse"
 
 
 def _digits(value: float) -> str:
