@@ -72,6 +72,8 @@ def plays_steps_and_scrubs(player, last):
     player.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     assert abs(frame(player) - last / 2) <= 2
     assert slider.get_attribute("aria-valuetext") == words.inner_text()
+    player.locator("select").select_option(index=0)
+    player.press("Home")
     for number in range(player.locator("button").count()):
         player.locator("button").nth(number).click()
         before = play.inner_text()
