@@ -52,7 +52,7 @@ def syllabus_with_lessons(syllabus: str, lessons: Iterable[Lesson]) -> str:
     weeks = {lesson[:2]: week for week, lesson, *_ in _rows(syllabus, SYLLABUS) if lesson[:2] in there}
     weeks = weeks | {number: "optional" for number in there if number not in weeks}
     rows = [
-        (week, f"{number} {there[number].title}", there[number].about.get("can", "TODO"))
+        (week, f"{number} {there[number].title}", there[number].about["can"])
         for number, week in weeks.items()
     ]
     return _with_rows(syllabus, SYLLABUS, rows)

@@ -15,7 +15,7 @@ from website import ROOT
 
 __all__ = ["Lesson", "read_lesson"]
 
-_KEYS = ("does", "left_out", "card", "card_shows")
+_KEYS = ("does", "can", "left_out", "card", "card_shows")
 
 
 @dataclass(frozen=True)

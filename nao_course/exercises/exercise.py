@@ -70,8 +70,6 @@ class Exercise:
         Name of a function, registered with `register_driver`, that runs in the worker and converts the student's
         class or SymPy expressions to arrays. It is called with the student's object and the case's arguments. By
         default, the student's function itself is called.
-    in_place : bool
-        Whether a function that changes its input fails; otherwise the check only warns.
     with_reference : float
         Fraction of the points that are earned if the function is right with the reference's `uses`, but not with the
         student's own, so that one error does not cost points twice.
@@ -100,7 +98,6 @@ class Exercise:
     stars: int = 1
     uses: Sequence[str] = ()
     driver: str = ""
-    in_place: bool = False
     with_reference: float = 1.0
     equivalents: Mapping[str, str] = field(default_factory=dict)
     seconds: float = SECONDS
@@ -228,8 +225,8 @@ class MistakePair:
 class PublicExercise:
     """The public data of an exercise: public cases with expected answers, recognised mistakes, points, hints.
 
-    The number in the lesson is such as "1.3"; `comparison` says how answers are compared. `driver`, `in_place`,
-    `seconds` and `uses` are as in `Exercise`. `earlier` are calls of earlier lessons' functions that the reference
+    The number in the lesson is such as "1.3"; `comparison` says how answers are compared. `driver`, `seconds` and
+    `uses` are as in `Exercise`. `earlier` are calls of earlier lessons' functions that the reference
     makes in these cases, and `pairs` are recognised if no single mistake fits.
     """
 
@@ -242,7 +239,6 @@ class PublicExercise:
     mistakes: list[PublicMistake]
     hints: list[str]
     driver: str
-    in_place: bool
     seconds: float = SECONDS
     earlier: Sequence[EarlierCall] = field(default_factory=list)
     uses: list[str] = field(default_factory=list)

@@ -130,7 +130,6 @@ def _angles_hidden(rng: np.random.Generator) -> list[Case]:
 
 WARP2PI = Exercise(
     name="warp2pi",
-    in_place=True,
     points=1,
     public=_angles_public,
     hidden=_angles_hidden,
@@ -239,7 +238,6 @@ def _first_measurement_hidden(rng: np.random.Generator) -> list[Case]:
 
 INIT_LANDMARKS = Exercise(
     name="init_landmarks",
-    in_place=True,
     points=2,
     uses=("05:landmark_position", "05:landmark_jacobians"),
     public=_first_measurement_public,
@@ -382,7 +380,6 @@ def _motion_hidden(rng: np.random.Generator) -> list[Case]:
 
 PREDICT = Exercise(
     name="predict",
-    in_place=True,
     points=4,
     stars=2,
     uses=("warp2pi", "05:predict_pose", "05:motion_jacobians"),
@@ -751,7 +748,6 @@ TEXTBOOK_SLIPS = [
 
 UPDATE_LANDMARKS = Exercise(
     name="update_landmarks",
-    in_place=True,
     points=5,
     stars=2,
     uses=(
@@ -930,7 +926,6 @@ def _all_measured(rng: np.random.Generator, names: Sequence[str] = ("",) * 4) ->
 
 UPDATE = Exercise(
     name="update",
-    in_place=True,
     points=1,
     stars=2,
     uses=("update_landmarks",),
@@ -1125,7 +1120,6 @@ def _new_public() -> list[Case]:
 
 ADD_LANDMARK = Exercise(
     name="add_landmark",
-    in_place=True,
     points=5,
     stars=3,
     uses=("05:landmark_position", "05:landmark_jacobians"),

@@ -100,7 +100,6 @@ ADD_INITIAL_POSITION = Exercise(
     public=_start_public,
     hidden=_start_hidden,
     comparison=BOTH,
-    in_place=True,
     hints=(
         "A start says x = position, so its row has one entry, on the diagonal. Copy both arrays; two more lines are enough.",
         "Begin with omega.copy() and xi.copy(). Then add something to omega[index, index] and something to xi[index].",
@@ -289,7 +288,6 @@ ADD_RELATIVE_MOTION = Exercise(
     public=_motion_public,
     hidden=_link_hidden,
     comparison=BOTH,
-    in_place=True,
     hints=(
         "Translate equation 8.2 entry by entry. It changes four entries of omega and two of xi. Compute weight = 1 / epsilon first.",
         "Add the weight to omega[before, before] and omega[after, after], and subtract it from omega[before, after] and omega[after, before]. Subtract weight * motion from xi[before], and add it to xi[after].",
@@ -328,7 +326,6 @@ ADD_RELATIVE_MEASUREMENT = Exercise(
     public=_measurement_public,
     hidden=_link_hidden,
     comparison=BOTH,
-    in_place=True,
     hints=(
         "Which equation does the measurement give? Have you written this equation before, with other names?",
         "It is landmark - pose = offset. A motion of `offset` from the pose would end at the landmark, so one call is enough.",
@@ -626,7 +623,6 @@ MARGINALIZE = Exercise(
     public=_marginal_public,
     hidden=_marginal_hidden,
     comparison=Close(rtol=1e-5, atol=1e-7, names=("your omega", "your xi")),
-    in_place=True,
     hints=(
         "Cut the system into blocks: omega[np.ix_(rows, columns)] selects one. Equation 8.5 needs three blocks of omega and two of xi. Begin with a list of the variables that are not in keep.",
         "Let `removed` be the numbers that are not in keep, A the block (keep, keep) of omega, B the block (keep, removed), and C the block (removed, removed). Return A - B C^-1 Bᵀ and xi[keep] - B C^-1 xi[removed]. np.linalg.solve(C, ...) is more accurate than an inverse.",

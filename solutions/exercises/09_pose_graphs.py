@@ -140,7 +140,6 @@ LANDMARK_RESIDUAL = Exercise(
     hidden=_landmark_hidden,
     comparison=FINE,
     driver=AS_ARRAY,
-    in_place=True,
     hints=(
         "Compute the vector from the pose to the landmark in the map frame, rotate it into the robot's frame, and subtract the measurement.",
         "Let dx, dy be the vector from the pose to the landmark, and c, s the cosine and sine of the heading. Then ahead is c dx + s dy, and left is -s dx + c dy. End with .T as the worked example does.",
@@ -347,7 +346,6 @@ POSE_RESIDUAL = Exercise(
     hidden=_pose_hidden,
     comparison=FINE,
     driver=AS_ARRAY,
-    in_place=True,
     hints=(
         "Change the frame twice, each time as in exercise 9.1: express the second pose in the frame of the first one, and the result in the frame of z.",
         "After the first change of frame, subtract the x and y of z and rotate by minus the angle of z. The third number is second - first - z of the headings, and wrap_angle is applied last.",
@@ -843,7 +841,6 @@ GAUSS_NEWTON = Exercise(
     hidden=_newton_hidden,
     comparison=SolvedStates(),
     uses=["linearize", *RESIDUALS],
-    in_place=True,
     hints=(
         "Copy the states. In each iteration linearise at the current states, remove the rows and columns of the first pose, solve as in lesson 08's solve_sparse, and move. The history begins with chi2 before the first step.",
         "Solve H[3:, 3:] x = b[3:] and subtract x from states[3:]. With free = graph.elimination_order, use H[free][:, free], b[free] and states[free] in the same way.",
@@ -1098,7 +1095,6 @@ REWEIGHT = Exercise(
     hidden=_reweight_hidden,
     comparison=Close(rtol=1e-5, atol=1e-9),
     uses=RESIDUALS,
-    in_place=True,
     hints=(
         "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.6; the information of each edge is multiplied by it.",
         "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with other information matrices.",

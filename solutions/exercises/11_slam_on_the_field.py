@@ -429,7 +429,6 @@ def _distance_hidden(rng: np.random.Generator) -> list[Case]:
 
 JOINT_DISTANCE = Exercise(
     name="joint_distance",
-    in_place=True,
     points=3,
     stars=2,
     uses=[
@@ -629,7 +628,6 @@ def _association_hidden(rng: np.random.Generator) -> list[Case]:
 
 ASSOCIATE = Exercise(
     name="associate",
-    in_place=True,
     points=3,
     stars=2,
     uses=("joint_distance",),

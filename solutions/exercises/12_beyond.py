@@ -755,7 +755,6 @@ def _frontiers_public() -> list[Case]:
 
 FIND_FRONTIERS = Exercise(
     name="find_frontiers",
-    in_place=True,
     points=2,
     stars=2,
     public=_frontiers_public,
@@ -1091,7 +1090,6 @@ def _moves_hidden(rng: np.random.Generator) -> list[Case]:
 
 CHOOSE_MOVE = Exercise(
     name="choose_move",
-    in_place=True,
     points=3,
     stars=3,
     uses=("07:predict", "07:update_landmarks"),

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 from tests.browser.lab import wait_for
+from tests.browser.notebook_page import run_notebook, screenshot
 
 pytestmark = pytest.mark.browser
 
@@ -72,3 +73,45 @@ def test_a_line_of_text_has_75_to_80_characters(notebook):
         return [lines, p.textContent.length]; }"""
     )
     assert 72 <= length / lines <= 82
+
+
+WIDE = """from matplotlib.figure import Figure
+from nao_course import plotting as draw
+figure = Figure(figsize=(10.6, 3))
+figure.add_subplot().set_title("Small letters", fontsize=9)
+draw.Drawing(figure, "wide")"""
+# The widths of a figure as it was drawn and as it is shown, and of its place
+_WIDTHS = """each => { const place = each.closest('.jp-OutputArea-output');
+  return [each.naturalWidth, each.getBoundingClientRect().width, place.clientWidth, place.scrollWidth]; }"""
+# What stands before the bar of each folded cell
+_MARKS = """() => [...document.querySelectorAll('.jp-InputPlaceholder .jp-InputPrompt')]
+  .map(each => getComputedStyle(each, '::before').content)"""
+
+
+def test_in_a_narrow_column_the_letters_of_a_figure_stay_readable_and_it_scrolls(lab, page):
+    page.set_viewport_size({"width": 900, "height": 700})
+    run_notebook(lab, page, "narrow.ipynb", WIDE)
+    drawn, shown, place, scrolled = page.locator("img.nao-figure").evaluate(_WIDTHS)
+    assert place < 600 and 9 * 100 / 72 * shown / drawn >= 8.9  # px of the smallest letters
+    assert scrolled >= shown - 1 and page.evaluate("document.documentElement.scrollWidth") == 900
+    page.set_viewport_size({"width": 1500, "height": 700})
+    wait_for(lambda: page.locator("img.nao-figure").evaluate(_WIDTHS)[1] > 1000, "figure as it was drawn", 10)
+    _, _, place, scrolled = page.locator("img.nao-figure").evaluate(_WIDTHS)
+    assert scrolled <= place + 1
+
+
+def test_a_folded_cell_shows_that_it_runs(lab, page):
+    lab.write("folded.ipynb", "import time\ntime.sleep(4)\nprint('done')", "print('next')", "1 + 1")
+    made = nbformat.read(lab.folder / "folded.ipynb", as_version=4)
+    for cell in made.cells:
+        cell.metadata["jupyter"] = {"source_hidden": True}
+    nbformat.write(made, lab.folder / "folded.ipynb")
+    lab.open(page, "folded.ipynb")
+    nothing = ["none"] * 3
+    assert page.evaluate(_MARKS) == nothing
+    for keys in ("Shift+Enter", "ControlOrMeta+Enter"):
+        page.locator(".jp-Cell").first.click(position={"x": 4, "y": 4})
+        page.keyboard.press(keys)
+        wait_for(lambda: page.evaluate(_MARKS) == ['"[*]:"', "none", "none"], "mark on the first cell", 3)
+        screenshot(page, "folded_cell_runs")
+        wait_for(lambda: page.evaluate(_MARKS) == nothing, "end of the cell", 20)

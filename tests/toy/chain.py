@@ -29,7 +29,7 @@ PLAN = LessonPlan(
         exercise("double", 2, lambda x: 3 * x),
         exercise("plus_one", 1, lambda x: x + 2),
         exercise("both", 3, lambda x: 2 * x, uses=("double", "plus_one"), with_reference=0.5),
-        exercise("total", 1, lambda x: float(x.mean()), in_place=True),
+        exercise("total", 1, lambda x: float(x.mean())),
     ],
     written=[Written("why", 2, "Why?", "Because.")],
 )

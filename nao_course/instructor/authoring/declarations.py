@@ -79,7 +79,6 @@ _EXERCISE: _Rules = {
     "stars": (lambda value: type(value) is int and 1 <= value <= 3, "1, 2 or 3"),
     "uses": (_are_texts, "a list of names of earlier exercises"),
     "driver": (lambda value: isinstance(value, str), "the name of a driver"),
-    "in_place": (lambda value: isinstance(value, bool), "True or False"),
     "with_reference": (
         lambda value: _is_number(value) and 0 <= value <= 1,
         "a fraction of the points, 0 to 1",

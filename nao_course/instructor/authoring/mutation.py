@@ -243,9 +243,7 @@ def _fails(worker: Worker, exercise: Exercise, cases: Iterable[Case]) -> bool:
         outcome = judging.answer(
             exercise.comparison, lambda each: worker.call(exercise.name, each, exercise.driver), case
         )
-        if not judging.judge(exercise.comparison, case, outcome):
-            return True
-        if outcome.changed and exercise.in_place:
+        if outcome.changed or not judging.judge(exercise.comparison, case, outcome):
             return True
     return False
 

@@ -289,7 +289,6 @@ def publish_exercise(
         mistakes=mistakes,
         hints=list(exercise.hints),
         driver=exercise.driver,
-        in_place=exercise.in_place,
         seconds=float(exercise.seconds),
         earlier=list({encode(each): each for each in calls.made}.values()),
         uses=list(exercise.uses),

@@ -220,7 +220,7 @@ def test_twice_a_number_is_the_number_and_itself(solution, rng):
 _ABOUT = """
 ["{number}"]
 does = "TODO: what a student does, for the README"
-needs = "TODO: what a student must know"
+can = "TODO: what a student can do afterwards"
 left_out = "TODO: what happens without the lesson"
 card = [0.0, 0.0, 1.0, 1.0]  # TODO: a part of the opening figure: left, top, right, bottom
 card_shows = "TODO: what is seen there, for who cannot see it"
@@ -230,7 +230,7 @@ LINE_LENGTH = 110  # of the formatter, as in pyproject.toml
 PANEL_IMPORT = "from nao_course.widgets import FunctionPanel, Slider"
 PANEL = """\
 def show(values, student):
-    \"\"\"Yield TODO: what the control changes in the result of the student's function.\"\"\"
+    \"\"\"Yield TODO: what the control changes in the answer.\"\"\"
     yield f"TODO: the answer to {{values.value:g}} is {{student.{first}(values.value):g}}"
 
 

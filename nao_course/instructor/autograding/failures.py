@@ -74,7 +74,6 @@ class HiddenResult:
     passed: int
     text: str = ""
     line: str = ""
-    changed: bool = False
     parts: tuple[str, ...] = ()
 
 

@@ -363,7 +363,7 @@ class SubmissionGrader:
         hopeless = last.status in ("not attempted", "not found", "timed out", "died")
         hidden = self.failure(task, last) if hopeless else self.hidden(task)
         right = hidden.state == "right"
-        notes = [CHANGES_INPUT if right and hidden.changed else "", remark_on(last.shown) if right else ""]
+        remark = remark_on(last.shown) if right else ""
         return ExerciseResult(
             task.public.name,
             task.public.number,
@@ -377,7 +377,7 @@ class SubmissionGrader:
             tuple(line for line in lines if line != hint),
             hint,
             task.mistakes.get(hint, ""),
-            notes=tuple(filter(None, notes)) or task.notes_on(hidden.parts),
+            notes=(remark,) if remark else task.notes_on(hidden.parts),
         )
 
     def explained(self, exercise: PublicExercise, outcomes: Sequence[Outcome]) -> list[str]:
@@ -441,7 +441,7 @@ class SubmissionGrader:
             line=hidden.line,
             earned=max(earned, before.earned),
             with_reference=True,
-            notes=(note, *((CHANGES_INPUT,) if right and hidden.changed else parts)),
+            notes=(note, *parts),
         )
 
     def stand_in(self, functions: Mapping[str, ReferenceFunction]) -> None:
@@ -540,13 +540,13 @@ class SubmissionGrader:
                 failed = failed or wrong
             else:
                 passed[case.part] += 1
-        if failed is None and changed and task.public.in_place:
+        if failed is None and changed:
             failed = HiddenResult("changes its input", 0, CHANGES_INPUT)
         tested = Counter(case.part for case in task.hidden)
         parts = tuple(part for part in task.parts if passed[part] == tested[part])
-        kept = () if not failed or (changed and task.public.in_place) else parts
+        kept = () if not failed or changed else parts
         result = failed or HiddenResult("right", 0)
-        return replace(result, passed=passed.total(), changed=changed, parts=kept)
+        return replace(result, passed=passed.total(), parts=kept)
 
     def failure(self, task: Task, outcome: Outcome) -> HiddenResult:
         """Say how a case failed that has no answer."""

@@ -23,7 +23,6 @@ OF_AN_EXERCISE = {
     "stars": [0, 7, 1.0, "1", True],
     "uses": ["clamp", 3, [3]],
     "driver": [None, 3],
-    "in_place": ["yes", 1],
     "with_reference": [-0.1, 1.5, "1"],
     "parts": [["move"], {"move": 0}, {"": 1}, {"move": "1"}],
     "equivalents": [["line"], {"line": ""}, {1: "a"}],

@@ -67,7 +67,6 @@ def lesson(*, calls=(1.0, 2.0), answer=4.0, message="m", **changes):
         mistakes=[PublicMistake(message, {"0": answer})],
         hints=["a", "b"],
         driver="",
-        in_place=False,
         earlier=[EarlierCall("00:root", ["x"], {"x": each}, 2 * each) for each in calls],
     )
     return PublicLesson("01_square", [replace(exercise, **changes)], [], [])

@@ -50,7 +50,6 @@ MEAN = Exercise(
     ],
     hidden=lambda rng: [Case((rng.normal(1, 2, size),)) for size in (3, 10, 20)] + [Case((np.zeros(3),))],
     hints=("A mask selects.", "values[values > 0]"),
-    in_place=True,
     mistakes=[
         Mistake("all", lambda values: float(values.mean()), "That is the mean of all values."),
         Mistake(
