@@ -121,6 +121,8 @@ def test_a_mutant_that_is_said_to_be_right_is_counted_apart_unless_a_case_speaks
     console = Console(record=True, width=120)
     show(report, console)
     assert f"is right: {reason}" in console.export_text()
+    few = mutate("90", jobs=1, solutions=where, every=5)
+    assert few.equivalents == report.equivalents and few.caught()[2] < report.caught()[2] / 2
 
 
 def test_mutants_of_a_class_and_of_what_uses_an_earlier_lesson_are_caught(tmp_path):
