@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from nao_course.datasets import graph_lines, read_g2o, write_g2o
 from nao_course.geometry import Pose
 from nao_course.graphs import LANDMARK, POSE, Graph
+from tests.paths import PROJECT
 
 GOOD = [
     "# a comment",
@@ -293,6 +294,12 @@ def test_g2o_itself_reads_what_is_written(tmp_path, rng):
 
 
 @pytest.mark.slow
+def test_g2o_itself_reads_nothing_of_toros_form(tmp_path, rng):
+    graph, states = some_graph(rng, 20, 0, 60)
+    assert read_by_g2o(write_g2o(graph, states, tmp_path / "own.graph", form="toro")) == (0, 0, 0)
+
+
+@pytest.mark.slow
 def test_priors_and_offsets_have_the_chi2_of_g2o_itself(tmp_path):
     lines = ["PARAMS_SE2OFFSET 7 0.3 -0.1 1.2", "PARAMS_SE2OFFSET 8 0 0 -0.7", *GOOD[1:], "FIX 7"]
     lines += ["EDGE_PRIOR_SE2 3 1.4 0.1 0.3 10 1 2 20 3 30", "EDGE_PRIOR_XY 9 2.1 1.8 4 1 9"]
@@ -306,10 +313,43 @@ def test_priors_and_offsets_have_the_chi2_of_g2o_itself(tmp_path):
 
 @pytest.mark.slow
 def test_g2o_leaves_the_offset_out_of_the_error_of_a_landmark(tmp_path):
-    """Its error is that of the robot, so we warn that ours differs."""
+    """g2o computes the error in the frame of the robot, so we warn that our chi2 differs."""
     edge = "EDGE_SE2_POINTXY_OFFSET 3 9 8 0.5 2 4 0 4"
     near = read_by_g2o(written(tmp_path, ["PARAMS_SE2OFFSET 8 0 0 0", *GOOD, edge]))
     assert near == pytest.approx(read_by_g2o(written(tmp_path, ["PARAMS_SE2OFFSET 8 9 9 1", *GOOD, edge])))
+
+
+def rows_of_documents(begin: str) -> list[list[str]]:
+    """Return the cells of the lines of docs/real_data.md that begin with some text."""
+    lines = (PROJECT / "docs" / "real_data.md").read_text(encoding="utf-8").splitlines()
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith(begin)]
+
+
+def test_the_chi2_of_gtsam_in_the_documents_is_that_of_a_logarithm():
+    """A slow test compares the formula with GTSAM itself."""
+    [[_, *angles]] = rows_of_documents("| angle, rad |")
+    residuals = np.array([[1, 0, float(angle)] for angle in angles])
+    for begin, errors_ in (
+        ("| g2o and GTSAM 4.2 |", residuals),
+        ("| GTSAM 4.3.0 | 1", logarithms(residuals)),
+    ):
+        [[_, *values]] = rows_of_documents(begin)
+        assert values == [f"{value:.4f}" for value in (errors_**2).sum(axis=1)]
+
+
+def test_the_documents_name_every_tag():
+    table = "".join(cell for row in rows_of_documents("| ") for cell in row)
+    for tag in (*graph_lines.TAGS, *graph_lines.OTHER_NAMES, *graph_lines.LEFT_OUT):
+        assert tag in table
+    assert f"if the file has at most {graph_lines.MOST_UNKNOWN_TAGS} of them" in table
+
+
+@pytest.mark.parametrize("name", ["openslam_intel", "MIT", "input_M3500_g2o", "city10000"])
+def test_the_optimum_per_degree_of_freedom_is_in_the_documents(data_dir, name):
+    [[*_, optimum, quotient]] = rows_of_documents(f"| `{name}.g2o` |")
+    graph, _ = read_g2o(data_dir / "slam" / "g2o" / f"{name}.g2o")
+    freedom = 3 * len(graph.edges) - (graph.size - 3)
+    assert float(quotient) == pytest.approx(float(optimum) / freedom, rel=0.03)
 
 
 # --- graphs without vertices ---
