@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
 
 from nao_course.datasets.files import brief, contents, data_folder
 from nao_course.datasets.g2o import parts_of
@@ -125,6 +124,8 @@ class _Edge:
 
 def _struct(path: Path) -> dict[str, Any]:
     """Return the fields of the struct g."""
+    import scipy.io  # here, because lessons that read no graph would wait for it
+
     data = contents(path, LARGEST_FILE)
     try:
         with warnings.catch_warnings():

@@ -14,8 +14,6 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from nao_course._internal.counts import say_count
 from nao_course.datasets.graph_lines import (
@@ -178,6 +176,9 @@ def _words(values: Sequence[float]) -> str:
 
 def parts_of(graph: Graph) -> list[str]:
     """Return a note if no solver can find one solution: there are no edges, or they do not connect all vertices."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     if not len(graph.edges):
         return ["there are no edges, so nothing is measured"]
     count = len(graph.ids)
