@@ -137,6 +137,16 @@ class Graph:
         """Length of the states."""
         return 3 * self.poses + 2 * self.landmarks
 
+    @cached_property
+    def degrees_of_freedom(self) -> int:
+        """Number of measured values minus the number of free states, which are all states but the first pose's.
+
+        If the information matrices are right, the smallest chi2 divided by this number is near 1. If the quotient is
+        far from 1, a file may contain covariances, or square roots of information matrices, in their place.
+        """
+        measured = 3 * len(self.pose_edges.z) + 2 * len(self.landmark_edges.z)
+        return measured - max(self.size - 3, 0)
+
     # --- values ---
 
     def split(self, states: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -1,5 +1,7 @@
 """A graph that is written is read again to the last bit; a file that is not whole is refused with its line."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from nao_course.datasets import graph_lines, read_g2o, write_g2o
 from nao_course.geometry import Pose
 from nao_course.graphs import LANDMARK, POSE, Graph
+from tests.lessons import every
 from tests.paths import PROJECT
 
 GOOD = [
@@ -348,8 +351,34 @@ def test_the_documents_name_every_tag():
 def test_the_optimum_per_degree_of_freedom_is_in_the_documents(data_dir, name):
     [[*_, optimum, quotient]] = rows_of_documents(f"| `{name}.g2o` |")
     graph, _ = read_g2o(data_dir / "slam" / "g2o" / f"{name}.g2o")
-    freedom = 3 * len(graph.edges) - (graph.size - 3)
-    assert float(quotient) == pytest.approx(float(optimum) / freedom, rel=0.03)
+    assert float(quotient) == pytest.approx(float(optimum) / graph.degrees_of_freedom, rel=0.03)
+
+
+def test_the_degrees_of_freedom_are_measured_values_minus_free_states(tmp_path):
+    """A chain has none, and each further measurement adds its values."""
+    lines = ["VERTEX_SE2 0 0 0 0", "VERTEX_SE2 1 1 0 0", "VERTEX_XY 2 1 1"]
+    lines += ["EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1", "EDGE_SE2_XY 0 2 1 1 1 0 1", "EDGE_SE2_XY 1 2 0 1 1 0 1"]
+    assert read_g2o(written(tmp_path, lines[:-1]))[0].degrees_of_freedom == 0
+    assert read_g2o(written(tmp_path, lines))[0].degrees_of_freedom == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "isam", "squared"),
+    [
+        ("input_M3500_g2o", "44.72135955 0 0 44.72135955 0 44.72135955", 1.07),  # manhattanOlson3500.txt
+        ("city10000", "50 0 0 50 0 100", 1.00),  # city10000.txt
+    ],
+)
+def test_two_published_graphs_contain_square_roots_as_information(data_dir, tmp_path, name, isam, squared):
+    """iSAM's files of these graphs have the same numbers, and iSAM squares them."""
+    graph, states = read_g2o(data_dir / "slam" / "g2o" / f"{name}.g2o")
+    read, _ = read_g2o(written(tmp_path, [f"EDGE2 0 1 1 0 0 {isam}"]), form="isam")
+    right = graph.information @ graph.information
+    assert np.allclose(right[0], read.information[0], rtol=1e-4)
+    graph = dataclasses.replace(graph, information=right)
+    _, history = every.own("09")["gauss_newton"](graph, states, 8)
+    assert history[-1] / graph.degrees_of_freedom == pytest.approx(squared, abs=0.005)
 
 
 # --- graphs without vertices ---
