@@ -10,7 +10,8 @@ import numpy as np
 from nao_course.datasets.files import brief, lines_of, number_of
 from nao_course.geometry import FloatArray
 
-LARGEST_LOG = 200_000_000  # bytes
+# Limits far above any real log, but low enough that a malicious file cannot use much memory or time.
+LARGEST_LOG = 60_000_000  # bytes
 LARGEST_NUMBER = 1e10  # m, rad or s; times are seconds since 1970
 MOST_RANGES = 10_000
 SPACING = {180: np.pi / 180, 360: np.pi / 360}  # of a FLASER line, which omits the last of 181 or 361 beams
@@ -65,7 +66,7 @@ def read_carmen_log(path: Path | str) -> CarmenLog:
         angles. The message contains the file and the line.
     """
     path = Path(path)
-    rows, angles = list[list[float]](), np.zeros(0)
+    rows, angles = list[FloatArray](), np.zeros(0)
     for where, (tag, *words) in lines_of(path, LARGEST_LOG, comment="#"):
         if tag not in ("FLASER", "ROBOTLASER1"):
             continue
@@ -89,7 +90,7 @@ def read_carmen_log(path: Path | str) -> CarmenLog:
         if rows and not np.array_equal(here, angles):
             raise ValueError(f"{where}: the beams have other angles than in the scans before")
         angles = here
-        rows.append([number_of(word, where, LARGEST_NUMBER) for word in (tail[0], *poses, *beams)])
+        rows.append(np.array([number_of(word, where, LARGEST_NUMBER) for word in (tail[0], *poses, *beams)]))
     if not rows:
         raise ValueError(f"{path}: no line begins with FLASER or ROBOTLASER1")
     table = np.array(rows)

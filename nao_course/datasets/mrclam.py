@@ -13,7 +13,8 @@ from nao_course._internal.counts import say_count
 from nao_course.datasets.files import brief, lines_of, number_of
 from nao_course.geometry import FloatArray
 
-LARGEST_FILE = 50_000_000  # bytes
+# Limits far above any real log, but low enough that a malicious file cannot use much memory or time.
+LARGEST_FILE = 20_000_000  # bytes
 LARGEST_NUMBER = 1e10  # s, m or rad; times are seconds since 1970
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nao_course.datasets import read_carmen_log
+from nao_course.datasets import carmen, read_carmen_log
 
 HEADING = [
     "# CARMEN Logfile",
@@ -85,6 +85,12 @@ def test_a_wrong_line_is_refused_with_its_file_and_number(tmp_path, line, messag
 def test_a_file_without_scans_is_refused_by_its_name(tmp_path, lines, message):
     with pytest.raises(ValueError, match=rf"log\.clf: .*{message}"):
         read_carmen_log(written(tmp_path, lines))
+
+
+def test_a_file_that_is_too_large_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(carmen, "LARGEST_LOG", 20)
+    with pytest.raises(ValueError, match=r"log\.clf: expected 1 to 20 bytes, got more"):
+        read_carmen_log(written(tmp_path, [FLASER]))
 
 
 @settings(max_examples=80, deadline=None)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nao_course.datasets import read_mrclam_log
+from nao_course.datasets import mrclam, read_mrclam_log
 
 # The headings and the first lines of data set 1 of UTIAS; robot 2 has barcode 14, landmark 11 has barcode 90.
 FILES = {
@@ -112,11 +112,14 @@ def test_a_wrong_line_is_refused_with_its_file_and_number(tmp_path, name, line, 
     assert len(str(caught.value)) < 300
 
 
-def test_a_file_that_is_missing_or_empty_is_refused_by_its_name(tmp_path):
+def test_a_file_that_is_missing_or_empty_or_too_large_is_refused_by_its_name(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=r"Robot3_Odometry\.dat: cannot be read"):
         read_mrclam_log(folder_of(tmp_path, FILES), robot=3)
     with pytest.raises(ValueError, match=r"Barcodes\.dat: expected lines of numbers, got an empty file"):
         read_mrclam_log(folder_of(tmp_path, FILES | {"Barcodes.dat": [""]}))
+    monkeypatch.setattr(mrclam, "LARGEST_FILE", 80)
+    with pytest.raises(ValueError, match=r"Landmark_Groundtruth\.dat: expected 1 to 80 bytes, got more"):
+        read_mrclam_log(folder_of(tmp_path, FILES))
 
 
 @settings(max_examples=80, deadline=None)
