@@ -47,7 +47,8 @@ def read_carmen_log(path: Path | str) -> CarmenLog:
     """Read the FLASER or ROBOTLASER1 lines of a log of CARMEN; lines of other messages are skipped.
 
     A FLASER line does not contain the angles of its beams. As in CARMEN, they begin at -90 degrees and are 1 degree
-    (180 or 181 beams) or half a degree (360 or 361 beams) apart. Any other number of beams spans 180 degrees.
+    (180 or 181 beams) or half a degree (360 or 361 beams) apart. Any other number of beams
+    spans 180 degrees, except that 400 and 401 beams are refused.
 
     Parameters
     ----------
@@ -81,6 +82,11 @@ def read_carmen_log(path: Path | str) -> CarmenLog:
             raise ValueError(
                 f"{where}: {tag} needs {count} ranges, two poses{'' if tag == 'FLASER' else ', 5 numbers'}, a time, a "
                 f"host and a time; got {1 + len(words)} words"
+            )
+        if tag == "FLASER" and count in (400, 401):
+            raise ValueError(
+                f"{where}: the angles of {count} beams are not known; such a laser covers 100 degrees, but CARMEN "
+                "lets it begin at -90"
             )
         if tag == "FLASER":
             start, spacing = -np.pi / 2, SPACING.get(count, np.pi / max(count - 1, 1))

@@ -62,6 +62,7 @@ def test_the_beams_of_an_old_scan_begin_at_the_right_and_are_as_far_apart_as_car
         (FLASER.replace("1.9", "nan"), "line 6: expected a number within .*'nan'"),
         (FLASER.replace("12.5", "x"), "line 6: expected a number within .*'x'"),
         (FLASER.replace("3 1.0 2.0", "4 1.0 1.0 2.0"), "line 6: the beams have other angles"),
+        (f"FLASER 400 {'1 ' * 406} 1 host 1", "line 6: the angles of 400 beams are not known"),
         (ROBOTLASER, "line 6: the beams have other angles"),
         (
             ROBOTLASER.replace("81.91 1 0.7", "81.91 5 0.7"),
