@@ -32,6 +32,9 @@ DEFINED = re.compile(r"^[ \t>]*+(?:async[ ]+)?(?:def|class)[ ]+(\w+)", re.MULTIL
 DEFINES = re.compile(r"^[ \t]*+(?:async[ ]+)?(?:def|class)[ ]|\blambda\b", re.MULTILINE)
 # The line above each cell in a script that VS Code or Jupytext has made of a notebook.
 _CELL_OF_SCRIPT = re.compile(r"^# ?%%[ \t]*+(\[markdown\])?.*\n?", re.MULTILINE)
+# The text cell that Google Colab puts at the top of a notebook from GitHub.
+_BADGE = re.compile(r"\s*+<a href=\"https://colab\.research\.google\.com/[^<>]*+><img [^<>]*+></a>\s*+")
+_COMMAND = re.compile(r"^([ \t]*+)[%!].*", re.MULTILINE)  # a line that IPython runs
 # A first line that keeps the cell from running as a part of the notebook.
 _MAGIC = re.compile(r"\s*+(%%(?!(?:time|timeit|capture|prun)\b)\w*)")
 
@@ -165,7 +168,10 @@ def _whole_number(digits: str) -> float:
 
 
 def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the cells, and leave out everything that cannot be a cell."""
+    """Return the cells, and leave out everything that cannot be a cell.
+
+    A cell without an id has the id in its metadata, if it is there: Google Colab moves it.
+    """
     if not isinstance(notebook, dict):
         raise _NotebookError("it contains other data than a notebook; save it again with JupyterLab")
     if notebook.get("nbformat", 4) != 4:
@@ -175,7 +181,13 @@ def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
     cells = [cell for cell in notebook["cells"] if isinstance(cell, dict)]
     if notebook["cells"] and not any(_is_whole(cell) for cell in cells):
         raise _NotebookError("none of its cells has a type and a source; save it again with JupyterLab")
-    return cells
+    return [{"id": _id_in_metadata(cell), **cell} for cell in cells]
+
+
+def _id_in_metadata(cell: dict[str, Any]) -> str:
+    held = cell.get("metadata")
+    found = held.get("id") if isinstance(held, dict) else ""
+    return found if isinstance(found, str) else ""
 
 
 def _cells_in(cell: dict[str, Any]) -> list[dict[str, Any]]:
@@ -211,7 +223,10 @@ def _text(value: Any, most: int) -> str:
 
 def _stamp(notebook: dict[str, Any]) -> tuple[str, str, str]:
     stamp, language = metadata(notebook, "nao_course"), metadata(notebook, "language_info")
-    python = _text(language.get("version", ""), 20) if language.get("name", "python") == "python" else ""
+    stated = language.get("version", "") if language.get("name", "python") == "python" else ""
+    # VS Code puts the build behind the version, and PyCharm names Python 2 in every notebook that it creates.
+    python = next(iter(_text(stated, 20).split()), "")
+    python = "" if python.startswith("2.") else python
     return _text(stamp.get("lesson", ""), 100), _text(stamp.get("version", ""), 100), python
 
 
@@ -289,20 +304,32 @@ def _is_changed_text(cell: dict[str, Any], at: int, released: Outline) -> bool:
 
 def _is_prose(cell: dict[str, Any]) -> bool:
     """Return whether a cell holds text, also if it is a code cell that Python cannot read or that only has texts."""
-    if cell["cell_type"] in TEXT:
-        return True
     source = source_of(cell)
+    if cell["cell_type"] in TEXT:
+        return not _BADGE.fullmatch(source)
     if len(source) > MOST_WRITTEN or DEFINED.search(source):
         return False
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            statements = ast.parse(source).body
+        statements = _statements(source)
     except SyntaxError:
-        return not source.lstrip().startswith(("%", "!"))
+        return not (source.lstrip().startswith(("%", "!")) or _is_python(_COMMAND.sub(r"\1pass", source)))
     except (ValueError, RecursionError, MemoryError):
         return False
     return all(_is_only_text(each) for each in statements)
+
+
+def _statements(source: str) -> list[ast.stmt]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return ast.parse(source).body
+
+
+def _is_python(source: str) -> bool:
+    try:
+        _statements(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    return True
 
 
 def _is_only_text(statement: ast.stmt) -> bool:
