@@ -267,18 +267,21 @@ def _keep(path: Path) -> Path:
 def _carry_over(before: list[Cell] | None, own: list[Cell], new: list[Cell]) -> tuple[int, list[str]]:
     """Insert a student's cells into a new notebook; return their number and the first lines of the others."""
     given = {_key(cell): source_of(cell) for cell in before or new}
+    key_of_text = {text.strip(): key for key, text in given.items()}
     exercises = {_key(cell): cell for cell in new if is_solution(cell)}
     unchanged = {source_of(cell): cell for cell in new if not is_solution(cell)}
     carried, lost, seen = 0, list[str](), set[str]()
     at = -1  # index in `new` of the student's last known cell
     for cell in own:
         key, source = _key(cell), source_of(cell)
+        if key not in given:  # another program has dropped or replaced the cell's id
+            key = key_of_text.get(source.strip(), key)
         added = key not in given or key in seen
         seen.add(key)
         home = exercises.get(key) or unchanged.get(given.get(key, ""))
         if home is not None and not added:
             at = next(i for i, each in enumerate(new) if each is home)
-        if not source.strip() or source == given.get(key) or _is_locked(cell):
+        if not source.strip() or source.strip() == given.get(key, "").strip() or _is_locked(cell):
             continue
         if added:
             held = cell.get("metadata", {})  # a copy of an exercise's cell is not an exercise
@@ -307,7 +310,7 @@ def _blank(cell: Cell) -> Cell:
 
 
 def _key(cell: Cell) -> str:
-    return grade_id(cell) or str(cell.get("id", ""))
+    return grade_id(cell) or str(cell.get("id") or cell.get("metadata", {}).get("id", ""))
 
 
 def _is_locked(cell: Cell) -> bool:

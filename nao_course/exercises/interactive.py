@@ -31,17 +31,25 @@ _SHOWS: dict[str, Any] = {
     "cv2.getWindowProperty": -1.0,
     **dict.fromkeys(("matplotlib.pyplot.show", "matplotlib.pyplot.pause", "PIL.ImageShow.show")),
     **dict.fromkeys(("builtins.display", "IPython.display.display", "IPython.display.clear_output")),
-    "google.colab.patches.cv2_imshow": None,
+    **dict.fromkeys(("google.colab.patches.cv2_imshow", "google.colab.files.download")),
+    **dict.fromkeys(("google.colab.drive.mount", "google.colab.drive.flush_and_unmount")),
 }
 _ASKS: dict[str, str] = {
     **dict.fromkeys(("builtins.input", "getpass.getpass", "cv2.selectROI", "cv2.selectROIs"), _PERSON),
+    "google.colab.files.upload": _PERSON,
     **dict.fromkeys(("matplotlib.pyplot.ginput", "matplotlib.pyplot.waitforbuttonpress"), _PERSON),
     **dict.fromkeys(("builtins.breakpoint", "pdb.set_trace", "pdb.post_mortem", "ipdb.set_trace"), _DEBUGGER),
     **dict.fromkeys(("code.interact", "IPython.embed"), _DEBUGGER),
 }
 _ENDS = ("builtins.exit", "builtins.quit")  # in Jupyter they only end the kernel after the cell
-_COLAB = "google.colab.patches"
-_SPOKEN = {"builtins.": "", "matplotlib.pyplot.": "plt.", f"{_COLAB}.": "", "IPython.display.": ""}
+_COLAB = "google.colab"
+_SPOKEN = {
+    "builtins.": "",
+    "matplotlib.pyplot.": "plt.",
+    f"{_COLAB}.patches.": "",
+    f"{_COLAB}.": "",
+    "IPython.display.": "",
+}
 _shown: dict[str, None] = {}  # names of calls that did nothing in the running block
 
 
@@ -78,8 +86,10 @@ _STAND_INS: dict[str, dict[str, Callable[..., Any]]] = {}  # by module and name
 for _path in (*_SHOWS, *_ASKS, *_ENDS):
     _STAND_INS.setdefault(_path.rpartition(".")[0], {})[_path.rpartition(".")[2]] = _stand_in(_path)
 SHOWS = frozenset(map(_spoken, _SHOWS))  # names that `remark_on` knows
-_FAKE_COLAB = ModuleType(_COLAB)
-vars(_FAKE_COLAB).update(_STAND_INS[_COLAB])
+_FAKE_COLAB = {name: ModuleType(name) for name in (_COLAB, *_STAND_INS) if name.startswith(_COLAB)}
+for _path, _module in _FAKE_COLAB.items():
+    vars(_module).update(_STAND_INS.get(_path, {}))
+    vars(_FAKE_COLAB[_COLAB])[_path.rpartition(".")[2]] = _module
 _MISSING = object()
 _EMPTY_INPUT = io.StringIO()
 
@@ -123,7 +133,8 @@ def unattended(*functions: object) -> Iterator[dict[str, None]]:
         if not hasattr(builtins, "get_ipython"):
             put(vars(builtins), "get_ipython", _NoShell)
         if _COLAB not in sys.modules:
-            put(sys.modules, _COLAB, _FAKE_COLAB)
+            for name, module in _FAKE_COLAB.items():
+                put(sys.modules, name, module)
         put(vars(sys), "stdin", _EMPTY_INPUT)
         yield _shown
     finally:
