@@ -1,0 +1,127 @@
+"""What a person waits for at a terminal and at a lesson's first cells, in this build and in one before it.
+
+``python -m benchmarks waiting`` checks the older commit out beside this one (a git worktree), with the same
+environment, and measures both in turn. Seconds are of a processor, of the process and all that it started, so that
+other programs change them little; the machine's load is stated. Memory is the proportional set size of the kernel.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+from pathlib import Path
+
+import nbformat
+from jupyter_client.manager import start_new_kernel
+from rich.progress import track
+
+from benchmarks import ROOT, Result, Table
+
+BEFORE = "19c84e2"
+LESSONS = ("00_meet_the_nao", "05_ekf_derivations", "07_ekf_slam", "11_slam_on_the_field")
+ROUNDS = 3
+MOST_CELLS = 12  # in which a lesson's first figure is looked for
+SECONDS = 300.0  # for a cell
+
+
+def command_seconds(root: Path, *words: str) -> float:
+    """Return the processor seconds of a command of the course."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(
+        [sys.executable, "-m", "nao_course.cli", *words],
+        cwd=root,
+        env=os.environ | {"PYTHONPATH": str(root)},
+        stdout=subprocess.DEVNULL,
+        check=False,
+        timeout=SECONDS,
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def kernel_costs(root: Path, lesson: str) -> dict[str, float]:
+    """Return the seconds of the set-up cell and up to the first figure, and the kernel's memory in MB after each."""
+    cells = nbformat.read(root / "notebooks" / f"{lesson}.ipynb", as_version=4).cells
+    sources = [cell.source for cell in cells if cell.cell_type == "code"][:MOST_CELLS]
+    manager, client = start_new_kernel(
+        env=os.environ | {"PYTHONPATH": str(root)}, cwd=str(root / "notebooks")
+    )
+    try:
+        pid = manager.provisioner.process.pid  # type: ignore[union-attr]
+        start, found, outputs = _seconds(pid), dict[str, float](), list[str]()
+        for number, source in enumerate(sources):
+            client.execute_interactive(
+                source, timeout=SECONDS, output_hook=lambda message: outputs.append(str(message["content"]))
+            )
+            drawn = any("<svg" in each or "image/png" in each for each in outputs)
+            if number == 0:
+                found |= {"set-up cell, s": _seconds(pid) - start, "memory after it, MB": _memory(pid)}
+            if drawn:
+                return found | {"to the first figure, s": _seconds(pid) - start}
+        return found
+    finally:
+        client.stop_channels()
+        manager.shutdown_kernel(now=True)
+
+
+def _seconds(pid: int) -> float:
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def _memory(pid: int) -> float:
+    lines = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii").splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("Pss:")) / 1000
+
+
+def measure(root: Path) -> dict[str, float]:
+    """Return all costs of one build."""
+    found = {
+        "nao-course --help, s": command_seconds(root, "--help"),
+        "nao-course check of lesson 02, s": command_seconds(root, "check", "notebooks/02_goalposts.ipynb"),
+    }
+    for lesson in LESSONS:
+        found |= {f"{lesson[:2]} {what}": value for what, value in kernel_costs(root, lesson).items()}
+    return found
+
+
+def main() -> Result:
+    """Measure both builds in turn."""
+    if sys.platform != "linux":
+        raise FileNotFoundError("the times and the memory of a kernel are read from Linux's /proc")
+    folder = Path(tempfile.mkdtemp())
+    git = ["git", "-C", str(ROOT), "worktree"]
+    try:
+        subprocess.run([*git, "add", "--quiet", "--detach", str(folder / "before"), BEFORE], check=True)
+        builds = {"before": folder / "before", "now": ROOT}
+        seen: dict[str, dict[str, list[float]]] = {name: defaultdict(list) for name in builds}
+        loads = []
+        for _ in track(range(ROUNDS), "rounds"):
+            for name, root in builds.items():
+                loads.append(os.getloadavg()[0])
+                for what, value in measure(root).items():
+                    seen[name][what].append(value)
+    finally:
+        subprocess.run([*git, "remove", "--force", str(folder / "before")], check=False)
+        shutil.rmtree(folder, ignore_errors=True)
+    medians = {
+        name: {what: statistics.median(each) for what, each in of.items()} for name, of in seen.items()
+    }
+    rows = {
+        what: {"before": medians["before"][what], "now": now, "ratio": now / medians["before"][what]}
+        for what, now in medians["now"].items()
+        if what in medians["before"]
+    }
+    note = f"Load of the machine: {min(loads):.1f} to {max(loads):.1f}; commit before: {BEFORE}; {ROUNDS} rounds."
+    return Result(
+        "waiting",
+        {"before": BEFORE, "loads": loads, "costs": rows},
+        (Table.of("What a person waits for", rows, shown=".2f"),),
+        (note,),
+    )
