@@ -87,9 +87,9 @@ for _path in (*_SHOWS, *_ASKS, *_ENDS):
     _STAND_INS.setdefault(_path.rpartition(".")[0], {})[_path.rpartition(".")[2]] = _stand_in(_path)
 SHOWS = frozenset(map(_spoken, _SHOWS))  # names that `remark_on` knows
 _FAKE_COLAB = {name: ModuleType(name) for name in (_COLAB, *_STAND_INS) if name.startswith(_COLAB)}
-for _path, _module in _FAKE_COLAB.items():
-    vars(_module).update(_STAND_INS.get(_path, {}))
-    vars(_FAKE_COLAB[_COLAB])[_path.rpartition(".")[2]] = _module
+for _name, _module in _FAKE_COLAB.items():
+    vars(_module).update(_STAND_INS.get(_name, {}))
+    vars(_FAKE_COLAB[_COLAB])[_name.rpartition(".")[2]] = _module
 _MISSING = object()
 _EMPTY_INPUT = io.StringIO()
 
@@ -133,8 +133,8 @@ def unattended(*functions: object) -> Iterator[dict[str, None]]:
         if not hasattr(builtins, "get_ipython"):
             put(vars(builtins), "get_ipython", _NoShell)
         if _COLAB not in sys.modules:
-            for name, module in _FAKE_COLAB.items():
-                put(sys.modules, name, module)
+            for name, fake in _FAKE_COLAB.items():
+                put(sys.modules, name, fake)
         put(vars(sys), "stdin", _EMPTY_INPUT)
         yield _shown
     finally:
