@@ -1,11 +1,14 @@
 """The stages of the robot are those of the course's lessons."""
 
+import re
+
 import pytest
 
 from nao_course import exercises
 from nao_course.exercises import checking
 from nao_course.exercises.lesson_names import number_of
 from nao_course.student import stages
+from tests.paths import SOLUTIONS
 
 LESSONS, READ = checking.lessons, checking.read_public
 
@@ -42,6 +45,12 @@ def test_a_lessons_robot_shows_the_result_of_its_own_stage_whatever_is_solved():
     assert stages.split_after(every, "") == (every, [])
     with pytest.raises(ValueError, match="upto must be the number of a lesson, as a text: 00, 01"):
         stages.split_after(every, "6")
+
+
+def test_each_lesson_shows_the_robot_of_its_own_stage():
+    for path in SOLUTIONS.glob("*.md"):
+        arguments = re.findall(r"^my_nao\((.*)\)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        assert arguments in ([], [f'upto="{number_of(path.stem)}"']), path.name
 
 
 def test_what_comes_next_is_the_first_that_is_not_ready():
