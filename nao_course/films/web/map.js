@@ -125,9 +125,11 @@ const NaoMap = (() => {
     c.lineWidth = 2.2; c.lineJoin = "round"; c.strokeStyle = tone.rim; c.stroke();
     c.fillStyle = tone.of(layer); c.fill();
     c.restore();
-    const right = u > view.x((x0 + x1) / 2);
-    c.textAlign = right ? "right" : "left"; c.textBaseline = "middle"; c.fillStyle = tone.text; c.font = "12px system-ui, sans-serif";
-    c.fillText(`${(away / 1000).toFixed(1)} m outside`, u + (right ? -14 : 14), clamp(v, view.y(y1) + 20, view.y(y0) - 20));
+    const right = u > view.x((x0 + x1) / 2), words = `${(away / 1000).toFixed(1)} m outside`;
+    const at = [u + (right ? -14 : 14), clamp(v, view.y(y1) + 20, view.y(y0) - 20)];
+    c.textAlign = right ? "right" : "left"; c.textBaseline = "middle"; c.font = "12px system-ui, sans-serif";
+    c.lineWidth = 4; c.strokeStyle = tone.paper; c.strokeText(words, ...at);
+    c.fillStyle = tone.text; c.fillText(words, ...at);
   };
 
   const robot = (c, view, layer, [x, y, angle], tone) => {
@@ -201,14 +203,14 @@ const NaoMap = (() => {
         if (half + off < 10) continue;
         c.save();
         c.translate(view.x(x), view.y(y)); c.rotate(-angle / 1000);
-        strokes(c, [[[-half, -5], [-half, 5]], [[-half, 0], [half, 0]], [[half, -5], [half, 5]]], 3, tone.of(layer), tone.rim);
-        strokes(c, [[[0, 0], [0, 11]], [[0, 9], [off, 9]], [[off - 5, 5], [off, 9], [off - 5, 13]]], 1.6, tone.of(layer), tone.rim);
+        strokes(c, [[[-half, -4], [-half, 4]], [[-half, 0], [half, 0]], [[half, -4], [half, 4]]], 3, tone.of(layer), tone.rim);
+        strokes(c, [[[0, 0], [0, 9]], [[0, 7], [off, 7]], [[off - 4, 4], [off, 7], [off - 4, 10]]], 1.6, tone.of(layer), tone.rim);
         c.restore();
       }
     },
     // The headings that are claimed, and the true one; both angles are magnified, because they are often small.
     wedge(c, view, layer, value, tone) {
-      if (!view.wedge) return;
+      if (!view.wedge || !value.length) return;
       const [x, y, angle, claimed, error] = value, r = view.wedge.radius, colour = tone.of(layer);
       const [half, off] = [claimed, error].map(each => each * view.wedge.wider / 1000);
       c.save();
@@ -274,7 +276,7 @@ const NaoMap = (() => {
   // --- the legend ---
 
   const SAMPLES = { path: [0, 0, 1200], cone: [0, 0, 0, 400, 900], cells: [0, 0], ellipses: [0, 0, 450, 0, 260],
-    axis: [-200, 120, 0, 240, 640], wedge: [-400, 0, 0, 350, 900] };
+    axis: [-240, 60, 0, 280, 760], wedge: [-400, -160, 0, 200, 500] };
   const key = (layer, tone) => {
     const canvas = document.createElement("canvas"), ratio = devicePixelRatio || 1, width = 34, height = 18;
     canvas.width = width * ratio; canvas.height = height * ratio;
