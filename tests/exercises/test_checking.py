@@ -274,7 +274,7 @@ def test_an_endless_loop_can_be_interrupted_and_what_follows_works(check):
 def of(*given, expected=0.0, comparison=None):
     """A public exercise of one case."""
     case = Case(given, expected=expected)
-    return PublicExercise("f", "7.4", 1.0, 1, comparison or Close(), [case], [], [], "", False)
+    return PublicExercise("f", "7.4", 1.0, 1, comparison or Close(), [case], [], [], "")
 
 
 HEAVY = ["scipy", "sympy", "matplotlib", "cv2", "ipywidgets"]

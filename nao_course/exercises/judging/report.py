@@ -285,20 +285,35 @@ def _passed(right: int, checks: int) -> str:
 def _recognised(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: list[int]) -> list[str]:
     """Return the message of the mistake whose answers these are, or both messages if two mistakes give them together.
 
-    A mistake has to be wrong in the same cases and give the same answers there. An unstable answer matches any wrong
-    answer, so several mistakes may match. Then the mistake with the most answers that are really the same is chosen,
-    and among equals the first one.
+    A mistake has to be wrong in the same cases and give the same answers there: in all cases, or in those of the first
+    wrong part, such as a method, because the methods after it may not be written yet. An unstable answer matches any
+    wrong answer, so several mistakes may match. Then the mistake with the most answers that are really the same is
+    chosen, and among equals the first one.
     """
+    part = exercise.cases[wrong[0]].part if wrong else ""
+    of_part = {number for number, case in enumerate(exercise.cases) if case.part == part}
+    return (
+        _one_mistake(exercise, outcomes, wrong, set(range(len(outcomes))))
+        or _recognised_pair(exercise, outcomes, wrong)
+        or (_one_mistake(exercise, outcomes, wrong, of_part) if part and exercise.driver == "methods" else [])
+    )
+
+
+def _one_mistake(
+    exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: list[int], among: set[int]
+) -> list[str]:
+    """Return the message of the mistake that explains the wrong cases among some; an empty list if none does."""
     best, most = [], -1
     for mistake in exercise.mistakes:
-        if sorted(map(int, mistake.answers)) != wrong:
+        answers = {int(i): answer for i, answer in mistake.answers.items() if int(i) in among}
+        if sorted(answers) != [i for i in wrong if i in among]:
             continue
-        answers = [(mistake.answers[str(i)], outcomes[i]) for i in wrong]
-        if all(is_unstable(each[0]) or same_answer(exercise, *each) for each in answers):
-            same = sum(same_answer(exercise, *each) for each in answers)
+        found = [(answer, outcomes[i]) for i, answer in answers.items()]
+        if all(is_unstable(each[0]) or same_answer(exercise, *each) for each in found):
+            same = sum(same_answer(exercise, *each) for each in found)
             if same > most:
                 best, most = [mistake.message], same
-    return best or _recognised_pair(exercise, outcomes, wrong)
+    return best
 
 
 def _recognised_pair(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: list[int]) -> list[str]:

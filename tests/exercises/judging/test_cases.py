@@ -57,7 +57,7 @@ def test_another_exception_is_not(error):
 
 
 def exercise(comparison, *cases):
-    return PublicExercise("f", "90.1", 1.0, 1, comparison, list(cases), [], ["a", "b"], "", False)
+    return PublicExercise("f", "90.1", 1.0, 1, comparison, list(cases), [], ["a", "b"], "")
 
 
 def test_a_check_says_what_came_instead_of_the_exception():

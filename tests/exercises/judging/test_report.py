@@ -21,7 +21,7 @@ TABLE = {
 
 def exercise_with(mistakes, cases):
     cases = [Case((), expected=0.0)] * cases
-    return PublicExercise("solve", "1.1", 1.0, 1, Close(), cases, mistakes, [], "", False)
+    return PublicExercise("solve", "1.1", 1.0, 1, Close(), cases, mistakes, [], "")
 
 
 def told(*answers, mistakes=tuple(TABLE)):
@@ -59,6 +59,18 @@ def test_an_unstable_answer_that_is_the_same_counts_as_such():
     """The author's own processor tells mistakes apart that others cannot."""
     assert told(4.0, 0.0) == {"another formula"}
     assert told(5.0, 0.0) == {"unstable in one"}
+
+
+@pytest.mark.parametrize("driver", ["methods", ""])
+def test_a_mistake_in_a_method_is_recognised_before_the_other_methods_are_right(driver):
+    cases = [Case((), each, expected=0.0) for each in ("move: one", "move: two", "turn: one")]
+    mistakes = [PublicMistake("late", {"0": 1.0, "2": 5.0}), PublicMistake("both", {"0": 1.0, "1": 2.0})]
+    exercise = PublicExercise("Walker", "1.1", 1.0, 1, Close(), cases, mistakes, [], driver)
+    for answers, message in (((1.0, 0.0, 7.0), "late"), ((1.0, 2.0, 7.0), "both")):
+        lines = explain(exercise, [Outcome("value", each) for each in answers], "").lines
+        assert (message in lines) == (driver == "methods"), lines
+    lines = explain(exercise, [Outcome("value", each) for each in (0.0, 2.0, 7.0)], "").lines
+    assert not {"late", "both"} & set(lines)
 
 
 @pytest.mark.parametrize(
