@@ -73,7 +73,7 @@ class Lab:
         page.on("console", lambda message: self.console.append(f"{message.type}: {message.text}"))
         page.on("pageerror", self._note_error)
         page.goto(f"{self.url}/lab/tree/{name}?reset")
-        page.wait_for_selector(".jp-NotebookPanel .jp-Cell", timeout=90_000)
+        page.wait_for_selector(".jp-NotebookPanel .jp-Cell", timeout=240_000)
         wait_for(self._is_ready, "a kernel that is connected and idle", 90)
 
     def _note_error(self, error: Any) -> None:
@@ -87,7 +87,7 @@ class Lab:
         kernel = self.kernel()
         return kernel.get("connections", 0) > 0 and kernel.get("execution_state") == "idle"
 
-    def run_all(self, page: Any, timeout: float = 120) -> None:
+    def run_all(self, page: Any, timeout: float = 300) -> None:
         """Run all cells and wait for the last; repeated, because JupyterLab can lose the first command."""
         before = max((count or 0 for count in self.counts(page)), default=0)
 

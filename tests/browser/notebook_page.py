@@ -18,7 +18,7 @@ def student_copies(tmp_path, chromium):
         yield lab, page
 
 
-def run_notebook(lab, page, name, *cells, timeout=120):
+def run_notebook(lab, page, name, *cells, timeout=300):
     """Write and open a notebook of these cells, and run all of them without an error."""
     lab.write(name, *cells)
     lab.open(page, name)
@@ -26,11 +26,11 @@ def run_notebook(lab, page, name, *cells, timeout=120):
     assert lab.errors(page) == []
 
 
-def panel_of(lab, page, name, *cells, kind=".nao-function", timeout=120):
+def panel_of(lab, page, name, *cells, kind=".nao-function", timeout=300):
     """Run a notebook; return its first panel of a kind."""
     run_notebook(lab, page, name, *cells, timeout=timeout)
     root = page.locator(kind).first
-    root.wait_for(timeout=60_000)
+    root.wait_for(timeout=240_000)
     return root
 
 

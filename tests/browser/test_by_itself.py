@@ -28,7 +28,7 @@ def test_a_key_lets_the_robot_go_by_itself_and_another_stops_it(lab, page):
     fill(lab.folder, "05", "07", "12")
     run_notebook(lab, page, "by_itself.ipynb", NAO, timeout=300)
     board = page.locator(".nao-panel .nao-board")
-    board.wait_for(timeout=120_000)
+    board.wait_for(timeout=240_000)
     assert "✔ next move" in page.locator(".nao-ready").inner_text()
     first = board.inner_text()
     page.locator(".nao-chosen").click()
@@ -42,7 +42,7 @@ def test_a_key_lets_the_robot_go_by_itself_and_another_stops_it(lab, page):
     screenshot(page, "by_itself")
     page.keyboard.press("x")
     status = page.locator(".nao-panel .nao-status")
-    wait_for(lambda: "Stopped." in status.inner_text(), "the end of the drive", 60)
+    wait_for(lambda: "Stopped." in status.inner_text(), "the end of the drive", 240)
     assert board.inner_text() != first
 
 
@@ -50,8 +50,8 @@ def test_a_room_is_explored_as_it_plays(lab, page):
     fill(lab.folder, "12")
     run_notebook(lab, page, "13_room.ipynb", ROOM, timeout=300)
     said = page.locator(".nao-panel").first
-    wait_for(lambda: "After 10 moves" in said.inner_text(), "the tenth move", 60)
+    wait_for(lambda: "After 10 moves" in said.inner_text(), "the tenth move", 240)
     page.locator(".nao-keys").first.click()
     page.keyboard.press(" ")
-    wait_for(lambda: "After 13 moves" in said.inner_text(), "three moves more", 60)
+    wait_for(lambda: "After 13 moves" in said.inner_text(), "three moves more", 240)
     screenshot(page, "explored_room")

@@ -15,10 +15,10 @@ def test_it_opens_with_its_figure_and_a_prediction_is_written_with_enter_and_lai
     with student_copies(tmp_path, chromium) as (lab, page):
         lab.open(page, f"{NAME}.ipynb")
         payoff = page.locator('img[alt^="Four maps"]')
-        wait_for(lambda: in_sight(payoff), "the figure on the first screen", 30)
+        wait_for(lambda: in_sight(payoff), "the figure on the first screen", 240)
         assert payoff.first.evaluate("image => image.naturalWidth") > 600
         screenshot(page, "lesson_00_first_screen")
-        lab.run_all(page, timeout=240)
+        lab.run_all(page, timeout=300)
         assert lab.errors(page) == []
         guess = cell_index(page, "pitch_guess = prediction")
         select(page, guess)
@@ -41,7 +41,7 @@ def test_it_opens_with_its_figure_and_a_prediction_is_written_with_enter_and_lai
         select(page, beside)
         page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-cell').then(() => null)")
         line = page.locator(f'.jp-Cell[data-windowed-list-index="{beside}"]')
-        wait_for(lambda: "You predicted -30°, and so it is." in line.inner_text(), "both side by side", 30)
+        wait_for(lambda: "You predicted -30°, and so it is." in line.inner_text(), "both side by side", 240)
         screenshot(page, "lesson_00_beside")
         last = cell_index(page, "check.payoff(")
         select(page, last)

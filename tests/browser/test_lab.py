@@ -49,7 +49,7 @@ class Panel:
     def __init__(self, page):
         self.page = page
         self.root = page.locator(".nao-panel:has(.nao-image-bottom)").first
-        self.root.wait_for(timeout=60_000)
+        self.root.wait_for(timeout=240_000)
         wait_for(lambda: self.loaded("bottom") and self.loaded("top"), "pictures", 20)
 
     def source(self, image):

@@ -54,7 +54,7 @@ class Page:
         )
         cell = self.page.locator(f'.jp-Cell[data-windowed-list-index="{index + 1}"]')
         root = cell.locator(".jp-OutputArea-output .jupyter-widgets").first
-        root.locator("img, canvas").first.wait_for(timeout=30_000)
+        root.locator("img, canvas").first.wait_for(timeout=240_000)
         self.page.wait_for_function(
             "root => [...root.querySelectorAll('img')].every(each => each.complete && each.naturalWidth)",
             arg=root.element_handle(),

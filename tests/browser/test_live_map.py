@@ -52,7 +52,7 @@ IN_THE_LENS = """below => {
 
 def test_a_live_map_shows_what_python_sends_on_every_page(lab, page):
     run_notebook(lab, page, "live.ipynb", MAKE, DRIVE, AGAIN)
-    assert wait_for(lambda: page.locator(".nao-map-canvas").count() == 2, None, 60)
+    assert wait_for(lambda: page.locator(".nao-map-canvas").count() == 2, None, 240)
     for number in (0, 1):
         carpet, cell, post = (
             page.evaluate(COLOUR, [number, *place]) for place in ((2000, -2300), (1000, 1000), (3000, 700))
@@ -67,7 +67,7 @@ def test_a_live_map_shows_what_python_sends_on_every_page(lab, page):
     assert "truth: (1.45, 0.00) m" in page.locator(".nao-map-canvas").last.get_attribute("aria-label")
     screenshot(page, "live_map")
     run_notebook(lab, page, "sure.ipynb", MAKE, DRIVE, SURE)
-    page.locator(".nao-map-lens").wait_for(timeout=60_000)
+    page.locator(".nao-map-lens").wait_for(timeout=240_000)
     assert page.locator(".nao-map-lens").inner_text() == "10 cm around the estimate, enlarged"
     assert page.evaluate(IN_THE_LENS, 25) != [0xB5, 0xD1, 0xAC] == page.evaluate(IN_THE_LENS, 45)
 
@@ -78,12 +78,12 @@ def test_the_lens_shows_the_axis_or_heading_that_is_too_small_and_an_arrow_the_r
         (([SHORT], "10 cm around the estimate, enlarged"), ([SHORT, HEADING], "; angles 10 × as wide"))
     ):
         run_notebook(lab, page, f"short{number}.ipynb", MAKE, DRIVE, *cells)
-        lens.wait_for(timeout=60_000)
+        lens.wait_for(timeout=240_000)
         wait_for(lambda: lens.locator("canvas").evaluate(RED) > 0.003, "the axis in the lens", 20)
         assert lens.inner_text().endswith(words)
         screenshot(page, f"live_map_short_{number}")
     run_notebook(lab, page, "away.ipynb", MAKE, DRIVE, SHORT, AWAY)
-    page.locator(".nao-map-canvas").wait_for(timeout=60_000)
+    page.locator(".nao-map-canvas").wait_for(timeout=240_000)
     screenshot(page, "live_map_away")
     # Above the field, whose upper edge is at 2.7 m, and below its middle
     assert (

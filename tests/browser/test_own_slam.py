@@ -28,7 +28,7 @@ def words(page):
 def drive(lab, page, name):
     """Open the panel, hold a key until pictures have come, and stop."""
     run_notebook(lab, page, name, PANEL, timeout=300)
-    page.locator(".nao-panel .nao-board").wait_for(timeout=120_000)
+    page.locator(".nao-panel .nao-board").wait_for(timeout=240_000)
     seen = page.locator(".nao-image-bottom img"), page.locator(".nao-map-canvas")
     before = seen[0].get_attribute("src"), seen[1].get_attribute("aria-label")
     page.evaluate(
@@ -44,7 +44,7 @@ def drive(lab, page, name):
     wait_for(lambda: held(8), "eight steps while the key is held", 120)
     page.keyboard.up("w")
     page.keyboard.press("x")
-    wait_for(lambda: "…" not in words(page), "end of the drive", 60)
+    wait_for(lambda: "…" not in words(page), "end of the drive", 240)
     after = seen[0].get_attribute("src"), seen[1].get_attribute("aria-label")
     assert before[0] != after[0] and before[1] != after[1]
     return page.locator(".nao-panel .nao-board").inner_text()

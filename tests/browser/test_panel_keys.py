@@ -47,7 +47,7 @@ def test_no_key_in_a_panel_changes_the_notebook(notebook, kind):
         "cell => window.jupyterapp.shell.currentWidget.content.scrollToItem(cell, 'start')", cell
     )
     panel = notebook.locator(f'.jp-Cell[data-windowed-list-index="{cell}"] .nao-panel').first
-    panel.wait_for(timeout=60_000)
+    panel.wait_for(timeout=240_000)
     places = [place for place in PLACES if panel.locator(place).count()]
     assert places
     for place in places:

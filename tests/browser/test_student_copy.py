@@ -51,7 +51,7 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
     )
     with jupyter_lab(folder, tmp_path / "jupyter") as lab, browser_page(chromium) as page:
         lab.open(page, f"{NAME}.ipynb")
-        lab.run_all(page, timeout=180)
+        lab.run_all(page, timeout=300)
         assert lab.errors(page) == []
         assert page.locator('[data-mime-type="application/vnd.jupyter.stderr"]').count() == 0
         check = cell_index(page, f'check("{EXERCISE}"')
@@ -69,7 +69,7 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
         page.keyboard.press("Shift+Enter")
         select(page, check)
         page.keyboard.press("Shift+Enter")
-        wait_for(lambda: check_state(page, EXERCISE) == "right", "check that turns green", 30)
+        wait_for(lambda: check_state(page, EXERCISE) == "right", "check that turns green", 240)
         select(page, check)
         screenshot(page, "student_copy_one_right")
         assert lab.errors(page) == []

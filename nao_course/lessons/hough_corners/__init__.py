@@ -20,11 +20,13 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "scenes": (
             "CornerPicture",
             "match_pictures",
+            "more_rooms",
             "other_rooms",
             "ready_made_segments",
             "real_pictures",
             "rows_between",
             "running_picture",
+            "running_robot",
             "three_places",
             "tuning_pictures",
         ),

@@ -21,10 +21,11 @@ Pixels = npt.NDArray[np.uint8]
 
 # The paper's method finds all corners and one of them twice in the first, all of them in the second, none in the third.
 PLACES = {
-    "near the halfway line": Pose(1.77, 0.57, -0.91),
+    "near the goal area": Pose(1.77, 0.57, -0.91),
     "from the left": Pose(1.2, -0.38, -0.62),
     "the scene of lesson 01": Pose(0.6, 0.5, -0.25),
 }
+MORE_ROOMS = range(101, 106)  # seeds of the five sets in `more_rooms`
 HEAD_PITCH = float(np.radians(-24.6))  # as in the standard scenes: the bottom camera looks 15.1 degrees down
 BEHIND = 0.7  # m of carpet behind the field's outer lines
 _WHOLE = Field(2012, half=False)  # there the goal line can be 6 m away
@@ -58,13 +59,22 @@ def three_places() -> Mapping[str, CornerPicture]:
 
 
 def running_picture() -> CornerPicture:
-    """Return the picture near the halfway line, to which the lesson returns after each exercise."""
+    """Return the picture near the goal area, to which the lesson returns after each exercise."""
     return next(iter(three_places().values()))
+
+
+def running_robot() -> SimulatedNao:
+    """Return a robot where the running picture was taken; the corners disappear when it walks backwards."""
+    return _robot_at(next(iter(PLACES.values())))
+
+
+def _robot_at(pose: Pose) -> SimulatedNao:
+    return SimulatedNao(Field(2012), pose, rng=41)
 
 
 def _picture_at(pose: Pose) -> CornerPicture:
     """Take a read-only picture at a pose of the standard field."""
-    nao = SimulatedNao(Field(2012), pose, rng=41)
+    nao = _robot_at(pose)
     pixels = nao.take_picture("bottom").pixels
     pixels.setflags(write=False)
     truth = Truth(nao).picture
@@ -97,6 +107,16 @@ def other_rooms() -> tuple[CornerPicture, ...]:
     """Return 30 pictures from other rooms, which no detector was tuned on; the challenge uses the same."""
     return tuple(
         CornerPicture(scene.pixels, CornerTruth.of(scene.truth)) for scene in standard_scenes("report")
+    )
+
+
+@cache
+def more_rooms() -> tuple[CornerPicture, ...]:
+    """Return 150 pictures from rooms and places that are in no other set."""
+    return tuple(
+        CornerPicture(scene.pixels, CornerTruth.of(scene.truth))
+        for seed in MORE_ROOMS
+        for scene in standard_scenes("report", reality=Reality.lab(seed))
     )
 
 

@@ -13,6 +13,7 @@ from nao_course.lessons.hough_corners.labels import DISTANCES, recorded_labels
 from nao_course.lessons.hough_corners.measuring import STEPS, count_corners, with_others
 from nao_course.lessons.hough_corners.scenes import (
     match_pictures,
+    more_rooms,
     other_rooms,
     ready_made_segments,
     real_pictures,
@@ -174,6 +175,19 @@ def test_in_other_rooms_only_both_repairs_are_better_than_nothing_and_the_text_s
         low, high = mean_interval(difference)
         assert (high < 0) == confirmed
         quotes(TEXT, f"{difference.mean():.2f}", f"{low:.2f} to {high:.2f}")
+
+
+@pytest.mark.slow
+def test_in_150_pictures_both_repairs_are_better_than_none_and_the_text_says_by_how_much():
+    (first, centres), costs = matched_in(more_rooms(), OWN["find_corners"], with_centre_lines)
+    low, high = mean_interval(costs[1] - costs[0])
+    assert high < 0
+    quotes(
+        TEXT,
+        f"{(costs[1] - costs[0]).mean():.2f} ({low:.2f} to {high:.2f})",
+        f"{centres.hits} corners are found instead of {first.hits}",
+        f"{centres.false} are false instead of {first.false}",
+    )
 
 
 @pytest.mark.slow
