@@ -116,6 +116,9 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "NumPy boolean array indexing assignment": "The left side has only the mask's pixels, but the right "
     "side has all pixels: write values[mask] there, too, or np.where(mask, values, others).",
     "with size 0": "That array is empty: check its length before you use an element of it.",
+    "too many values to unpack": "An array is taken apart row by row. For its columns write x, y = points.T.",
+    "too many indices for array": "The array has fewer axes than you use: print its .shape. OpenCV 4 returns lines as "
+    "(N, 1, 4) and OpenCV 5 as (N, 4); .reshape(-1, 4) turns both into (N, 4).",
     "is out of bounds for axis": "Indices count from 0, so the last of n is n - 1.",
     "arrays used as indices must be of integer": "Indices must be whole numbers: apply round(...) or int(...) to them.",
     "slice indices must be integers": "The limits of a slice must be whole numbers: round(...) turns a float into one.",

@@ -54,7 +54,7 @@ class TiltPanel(FunctionPanel):
         self._look = upright_picture()
         self._map = LiveMap(
             Field(2012),
-            {"truth": "true landmark", "ekf": "your points of marked corners and posts"},
+            {"truth": "true landmark", "ekf": "your points"},
             ahead=AHEAD,
             largest=(4.4, 3.6),  # the panel fits on a small screen
             markers={
