@@ -80,6 +80,10 @@ from nao_course import plotting as draw
 figure = Figure(figsize=(10.6, 3))
 figure.add_subplot().set_title("Small letters", fontsize=9)
 draw.Drawing(figure, "wide")"""
+WIDE_PHOTO = """import numpy as np
+figure = Figure(figsize=(10.6, 3))
+figure.add_subplot().imshow(np.full((60, 80, 3), (250, 20, 30), np.uint8))
+draw.Drawing(figure, "wide", photo=True)"""
 # The widths of a figure as it was drawn and as it is shown, and of its place
 _WIDTHS = """each => { const place = each.closest('.jp-OutputArea-output');
   return [each.naturalWidth, each.getBoundingClientRect().width, place.clientWidth, place.scrollWidth]; }"""
@@ -90,10 +94,11 @@ _MARKS = """() => [...document.querySelectorAll('.jp-InputPlaceholder .jp-InputP
 
 def test_in_a_narrow_column_the_letters_of_a_figure_stay_readable_and_it_scrolls(lab, page):
     page.set_viewport_size({"width": 900, "height": 700})
-    run_notebook(lab, page, "narrow.ipynb", WIDE)
-    drawn, shown, place, scrolled = page.locator("img.nao-figure").evaluate(_WIDTHS)
-    assert place < 600 and 9 * 100 / 72 * shown / drawn >= 8.9  # px of the smallest letters
-    assert scrolled >= shown - 1 and page.evaluate("document.documentElement.scrollWidth") == 900
+    run_notebook(lab, page, "narrow.ipynb", WIDE, WIDE_PHOTO)
+    for kind in ("img.nao-figure", ".nao-photos img"):
+        drawn, shown, place, scrolled = page.locator(kind).evaluate(_WIDTHS)
+        assert place < 600 and 9 * 100 / 72 * shown / drawn >= 8.9  # px of the smallest letters
+        assert scrolled >= shown - 1 and page.evaluate("document.documentElement.scrollWidth") == 900
     page.set_viewport_size({"width": 1500, "height": 700})
     wait_for(lambda: page.locator("img.nao-figure").evaluate(_WIDTHS)[1] > 1000, "figure as it was drawn", 10)
     _, _, place, scrolled = page.locator("img.nao-figure").evaluate(_WIDTHS)

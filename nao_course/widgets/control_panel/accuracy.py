@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ PROBABILITY = 0.95  # of the ellipse, and of the band for the NEES
 LEAST_VARIANCE = 1e-8  # m^2 or rad^2: a smaller one belongs to a value that is known or not estimated
 LEAST_LENGTH = 0.005  # m: a shorter one is shown as "< 1 cm"
 _CIRCLE = float(-2 * np.log(1 - PROBABILITY))  # squared radius of a standard normal's circle, two dimensions
+_INTERVAL = NormalDist().inv_cdf((1 + PROBABILITY) / 2)  # half of its interval, one dimension
 
 Verdict = Literal["", "consistent", "overconfident", "underconfident"]
 
@@ -89,7 +91,7 @@ def _short_axis(errors: FloatArray, covariance: FloatArray, heading: float) -> S
     If each axis alone is large enough, but the position is outside the ellipse, the axis is the error's own direction.
     None if the position is inside the ellipse and the heading inside its interval.
     """
-    half = float(np.sqrt(_CIRCLE * max(covariance[2, 2], 0.0)))
+    half = float(_INTERVAL * np.sqrt(max(covariance[2, 2], 0.0)))
     found = [ShortAxis("of heading", heading, half, float(-errors[2]), is_heading=True)]
     variances, axes = np.linalg.eigh(covariance[:2, :2])
     for variance, axis in zip(variances, axes.T, strict=True):
@@ -122,7 +124,7 @@ def _own_axis(errors: FloatArray, covariance: FloatArray) -> ShortAxis:
 
 def _ratio(axis: ShortAxis) -> float:
     """Return an axis' error divided by what is claimed; 0 for a value that is known or not estimated."""
-    return abs(axis.error) / axis.claimed if axis.claimed**2 > _CIRCLE * LEAST_VARIANCE else 0.0
+    return abs(axis.error) / axis.claimed if axis.claimed**2 > _INTERVAL**2 * LEAST_VARIANCE else 0.0
 
 
 def _say_short(short: ShortAxis) -> str:
@@ -178,8 +180,8 @@ def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
         low, high = shown.bounds
         why = f"{_why(shown)}; NEES {_digits(shown.nees)}"
         title = (
-            f"NEES, the normalised estimation error squared, measures the error in units of the estimated covariance. "
-            f"Here 95 % of consistent estimates have a NEES from {low:.1f} to {high:.1f}."
+            f"{why[:1].upper()}{why[1:]}. NEES, the normalised estimation error squared, measures the error in units "
+            f"of the estimated covariance. Here 95 % of consistent estimates have a NEES from {low:.1f} to {high:.1f}."
         )
     elif shown.verdict:
         why = "is off, but claims to be exact"

@@ -135,7 +135,7 @@ _CSS = """
 @container (max-width: 680px) {
   .nao-cockpit .nao-stage { --h: clamp(150px, (100cqw - 30px) / 2.15, 400px); }
   .nao-cockpit .nao-tile b { display: block; margin: 0; }
-  .nao-cockpit .nao-tile small { display: none; }
+  .nao-cockpit .nao-tile:not(.nao-bad) small, .nao-cockpit .nao-bad span { display: none; }
   .nao-cockpit .nao-over .nao-board { white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
   .nao-cockpit .nao-map-lens figcaption { display: none; }
 }
@@ -143,7 +143,7 @@ _CSS = """
   .nao-cockpit .nao-stage { --h: 75cqw; grid-template-columns: minmax(0, 1fr); }
   .nao-cockpit .nao-face, .nao-cockpit.nao-swapped .nao-cameras { display: none; }
   .nao-cockpit.nao-swapped .nao-face { display: block; }
-  .nao-cockpit .nao-tile span { display: none; }
+  .nao-cockpit .nao-tile :is(span, small) { display: none; }
   .nao-cockpit .nao-pad { grid-template-columns: repeat(3, 1fr); flex: 1 1 120px; }
 }
 """

@@ -86,7 +86,7 @@ def test_a_hidden_truth_gives_neither_an_error_nor_a_verdict():
 def test_the_tiles_say_the_numbers_and_their_verdict():
     html = numbers_html(accuracy(estimate((0.54, 0.72, 0.0)), Pose()), has_truth=True, estimated=True)
     assert "<b>90 cm</b>" in html and "<b>± 51 cm</b>" in html
-    assert "; NEES " in html and 'title="NEES' in html
+    assert "; NEES " in html and ". NEES, the normalised" in html
     assert "<b>overconfident</b>" in html and "nao-bad" in html and "nao-good" not in html
     assert (
         numbers_html(accuracy(Pose(0.3, 0.4, 0.0), Pose()), has_truth=True, estimated=False).count("–") == 2
@@ -105,7 +105,7 @@ def test_lengths_are_whole_centimetres_up_to_a_metre(metres, said):
     [
         ((0.0, 0.05, 0.0), "5 cm across the heading, where ± 2 cm is claimed"),
         ((0.3, 0.0, 0.0), "30 cm along the heading, where ± 20 cm is claimed"),
-        ((0.0, 0.0, 0.2), "11.5° of heading, where ± 2.8° is claimed"),
+        ((0.0, 0.0, 0.2), "11.5° of heading, where ± 2.2° is claimed"),
     ],
 )
 def test_an_overconfident_estimate_names_the_axis_that_is_too_small(off, said):
@@ -135,7 +135,7 @@ def test_whatever_is_called_overconfident_is_outside_of_what_is_drawn_and_said(s
     assert abs(short.error) > short.claimed
     if short.is_heading:
         assert (short.direction, short.error) == pytest.approx((0.4, off[2]))
-        assert short.claimed == pytest.approx(np.sqrt(5.991 * covariance[2, 2]), rel=1e-3)
+        assert short.claimed == pytest.approx(1.96 * np.sqrt(covariance[2, 2]), rel=1e-3)
     else:
         u = np.array([np.cos(short.direction), np.sin(short.direction)])
         assert short.error == pytest.approx(u @ off[:2]) and shown.is_outside
