@@ -285,8 +285,8 @@ def _passed(right: int, checks: int) -> str:
 def _recognised(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: list[int]) -> list[str]:
     """Return the message of the mistake whose answers these are, or both messages if two mistakes give them together.
 
-    A mistake has to be wrong in the same cases and give the same answers there: in all cases, or in those of the first
-    wrong part, such as a method, because the methods after it may not be written yet. An unstable answer matches any
+    A mistake has to be wrong in the same cases and give the same answers there: in all cases, or in the first
+    wrong part (a method), because the methods after it may not be written yet. An unstable answer matches any
     wrong answer, so several mistakes may match. Then the mistake with the most answers that are really the same is
     chosen, and among equals the first one.
     """
