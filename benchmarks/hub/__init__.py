@@ -25,7 +25,7 @@ from benchmarks.hub.running import Hub, give_solutions, installation, missing, r
 CLASSES = (1, 10, 30)
 LESSON = "11_slam_on_the_field"
 CELLS = 13  # the set-up and all cells up to exercise 11.2's; then the panel with every stage of the student's code
-PANEL = "my_nao()"
+PANEL = 'my_nao(upto="11")'
 PRESSES = 4
 BETWEEN = 1.0  # s between two students' logins
 SERVER = {"cores": 8, "memory_gb": 64, "for_the_system_gb": 4}  # what the calculation is about
