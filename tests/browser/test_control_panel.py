@@ -134,6 +134,10 @@ def test_after_a_restart_a_sentence_says_what_to_do_instead_of_broken_icons(lab,
     assert panel.evaluate(icons) == 0
     screenshot(page, "control_panel_restarted")
     wait_for(lab._is_ready, "the new kernel", 300)
+    # The cells' numbers of the old kernel may still stand there, and new ones are not larger.
+    page.evaluate(
+        "() => window.jupyterapp.commands.execute('notebook:clear-all-cell-outputs').then(() => null)"
+    )
     lab.run_all(page)
     again = page.locator(".nao-cockpit").first
     again.wait_for(timeout=300_000)
