@@ -43,7 +43,7 @@ def test_a_lesson_that_lacks_a_fact_says_which(tmp_path, monkeypatch):
     monkeypatch.setattr(lessons, "ROOT", tmp_path)
     (tmp_path / "solutions").mkdir()
     (tmp_path / "solutions" / "lessons.toml").write_text('["00"]\ndoes = "x"\ncard = []\ncard_shows = "y"\n')
-    with pytest.raises(ValueError, match=r'lessons.toml does not say left_out under \["00"\]'):
+    with pytest.raises(ValueError, match=r'lessons.toml does not say can, left_out under \["00"\]'):
         read_lesson(PROJECT / "notebooks" / "00_meet_the_nao.ipynb")
     path = tmp_path / "02_posts.ipynb"
     path.write_text(notebook(("markdown", "# Posts\n\nYou find them.", {})))
