@@ -56,9 +56,11 @@ def kernel_costs(root: Path, lesson: str) -> dict[str, float]:
         pid = manager.provisioner.process.pid  # type: ignore[union-attr]
         start, found, outputs = _seconds(pid), dict[str, float](), list[str]()
         for number, source in enumerate(sources):
-            client.execute_interactive(
+            reply = client.execute_interactive(
                 source, timeout=SECONDS, output_hook=lambda message: outputs.append(str(message["content"]))
             )
+            if number == 0 and reply["content"]["status"] != "ok":
+                raise RuntimeError(f"the set-up cell of {root / lesson} fails: {reply['content']['evalue']}")
             drawn = any("<svg" in each or "image/png" in each for each in outputs)
             if number == 0:
                 found |= {"set-up cell, s": _seconds(pid) - start, "memory after it, MB": _memory(pid)}
