@@ -699,7 +699,7 @@ HONEST_WORK = (
     top("data_file_that_is_not_there", "import numpy as np\ndata = np.load('../data/own.npy')", "FileNotFoundError"),
     edited("endless_display_cell", adding(cell("for i in iter(int, 1): pass", role="display")), row="honest"),
     style("changes_its_input", "def scaled(values):\n    values -= values.min()\n    values /= np.ptp(values)\n"
-          "    return values", "scaled", row="honest", says="changes its input"),
+          "    return values", "scaled", row="honest", honest=all_but("scaled", middle=4.0), says="changes its input"),
     style("ignores_rng", "def drawn(rng, n):\n    return np.random.normal(size=n).cumsum()", "drawn", row="honest",
           honest=all_but("drawn")),
     style("asks", "def clamp(x, low, high):\n    return float(input('x?'))", row="honest", honest=all_but("clamp"),
