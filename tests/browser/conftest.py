@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.browser.lab import browser_page, jupyter_lab
+from tests.browser.lab import browser, jupyter_lab
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -12,18 +12,33 @@ def needs_jupyterlab_and_playwright():
     pytest.importorskip("playwright")
 
 
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    """A JupyterLab that runs for a module's tests."""
+@pytest.fixture(scope="session")
+def running_lab(tmp_path_factory):
+    """A JupyterLab that runs for all tests of a process."""
     folder = tmp_path_factory.mktemp("notebooks")
     with jupyter_lab(folder, tmp_path_factory.mktemp("jupyter")) as running:
         yield running
 
 
+@pytest.fixture(scope="module")
+def lab(running_lab):
+    """A JupyterLab in which a module's tests find nothing open."""
+    yield running_lab
+    running_lab.close_notebooks()
+
+
+@pytest.fixture(scope="module")
+def context(chromium):
+    """A Chromium for a module's tests."""
+    with browser(chromium) as opened:
+        yield opened
+
+
 @pytest.fixture
-def page(lab, chromium):
+def page(lab, context):
     """A page on which nothing of ours may complain."""
     lab.console.clear()
-    with browser_page(chromium) as opened:
-        yield opened
+    page = context.new_page()
+    yield page
+    page.close()
     assert lab.our_errors() == []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import socket
 import subprocess
 import time
@@ -25,13 +26,13 @@ from tests.paths import PROJECT
 
 LAPTOP = {"width": 1366, "height": 768}
 CHROMIUM_OPTIONS = [
-    "--disable-gpu",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
 ]
+NO_WEBGL = ["--disable-gpu", "--disable-3d-apis"]
 # WebGL on the processor, as on a computer without a graphics card
 SOFTWARE_WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 # The course's own settings (nao_course/lab/settings) already keep JupyterLab from asking for news.
@@ -44,18 +45,32 @@ class Lab:
 
     url: str
     folder: Path
-    log: Path
+    settings: Path
     console: list[str] = field(default_factory=list)
     opened: str = ""
 
+    @property
+    def log(self) -> Path:
+        """The file of what the server prints."""
+        return self.settings / "server.log"
+
     def kernel(self) -> dict[str, Any]:
         """What the server says of the open notebook's kernel; nothing while it is being made."""
+        return next((each["kernel"] for each in self._sessions() if each["path"] == self.opened), {})
+
+    def _sessions(self) -> list[dict[str, Any]]:
         try:
             with urllib.request.urlopen(f"{self.url}/api/sessions", timeout=10) as answer:
-                sessions = json.load(answer)
+                return list(json.load(answer))
         except urllib.error.HTTPError:  # the server stumbles over kernels that are just being born
-            return {}
-        return next((each["kernel"] for each in sessions if each["path"] == self.opened), {})
+            return []
+
+    def close_notebooks(self) -> None:
+        """End all kernels, and forget what was opened and which theme was chosen."""
+        for each in self._sessions():
+            _request(f"{self.url}/api/sessions/{each['id']}", "DELETE")
+        shutil.rmtree(self.settings / "user" / "@jupyterlab" / "apputils-extension", ignore_errors=True)
+        self.opened = ""
 
     def write(self, name: str, *cells: str) -> None:
         """Write a notebook with code cells."""
@@ -171,14 +186,13 @@ def jupyter_lab(folder: Path, settings: Path) -> Iterator[Lab]:
     command += ["--ServerApp.ip=127.0.0.1", "--ServerApp.port_retries=0", "--IdentityProvider.token="]
     command += ["--LabApp.expose_app_in_browser=True"]
     command += ["--LabApp.extension_manager=readonly", "--ServerApp.disable_check_xsrf=True"]
-    log = settings / "server.log"
-    with log.open("w") as output:
+    lab = Lab(f"http://127.0.0.1:{port}", folder, settings)
+    with lab.log.open("w") as output:
         server = subprocess.Popen(
             command, env=environment, cwd=folder, stdout=output, stderr=subprocess.STDOUT
         )
-    lab = Lab(f"http://127.0.0.1:{port}", folder, log)
     try:
-        wait_for(lambda: _answers(lab.url, server, log), "JupyterLab that answers", 90)
+        wait_for(lambda: _answers(lab.url, server, lab.log), "JupyterLab that answers", 90)
         yield lab
     finally:
         _stop(server, lab.url)
@@ -194,6 +208,10 @@ def _answers(url: str, server: subprocess.Popen[bytes], log: Path) -> bool:
         return False
 
 
+def _request(url: str, method: str) -> None:
+    urllib.request.urlopen(urllib.request.Request(url, method=method), timeout=30).close()
+
+
 def _free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -207,9 +225,7 @@ def _stop(server: subprocess.Popen[bytes], url: str) -> None:
     except psutil.NoSuchProcess:
         family = []
     try:
-        urllib.request.urlopen(
-            urllib.request.Request(f"{url}/api/shutdown", method="POST"), timeout=10
-        ).close()
+        _request(f"{url}/api/shutdown", "POST")
         server.wait(15)
     except (urllib.error.URLError, OSError, subprocess.TimeoutExpired):
         server.kill()
@@ -221,16 +237,22 @@ def _stop(server: subprocess.Popen[bytes], url: str) -> None:
 
 
 @contextmanager
-def browser_page(executable: str, *, webgl: bool = False) -> Iterator[Any]:
-    """Open a page of Chromium, as large as a laptop's, without or with WebGL."""
+def browser(executable: str, *, webgl: bool = False) -> Iterator[Any]:
+    """Start Chromium, whose pages are as large as a laptop's and share what they have loaded of JupyterLab."""
     from playwright.sync_api import sync_playwright
 
-    options = [each for each in CHROMIUM_OPTIONS if not (webgl and each == "--disable-gpu")]
-    options += SOFTWARE_WEBGL if webgl else ["--disable-3d-apis"]
+    options = [*CHROMIUM_OPTIONS, *(SOFTWARE_WEBGL if webgl else NO_WEBGL)]
     root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=executable, args=[*options, *root])
+        chromium = playwright.chromium.launch(executable_path=executable, args=[*options, *root])
         try:
-            yield browser.new_page(viewport=LAPTOP)
+            yield chromium.new_context(viewport=LAPTOP)
         finally:
-            browser.close()
+            chromium.close()
+
+
+@contextmanager
+def browser_page(executable: str) -> Iterator[Any]:
+    """Open a page of a Chromium of its own."""
+    with browser(executable) as context:
+        yield context.new_page()

@@ -3,7 +3,7 @@
 import pytest
 
 from nao_course import films
-from tests.browser.lab import browser_page, wait_for
+from tests.browser.lab import wait_for
 from tests.browser.notebook_page import panel_of, screenshot
 from tests.paths import PROJECT
 
@@ -23,17 +23,18 @@ def in_notebook(lab, page):
 
 
 @pytest.fixture
-def on_a_page(tmp_path, chromium):
+def on_a_page(tmp_path, context):
     poses = [(0.1 * number, 0.05 * number, 0.1) for number in range(21)]
     layers = [films.path_layer("ekf", poses)]
     film = films.Film("A drive", layers, [f"Frame {number}." for number in range(21)])
     path = tmp_path / "film.html"
     path.write_text(films.film_page(film.data()), encoding="utf-8")
     errors = []
-    with browser_page(chromium) as page:
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto(path.as_uri())
-        yield page.locator(".nao-film")
+    page = context.new_page()
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(path.as_uri())
+    yield page.locator(".nao-film")
+    page.close()
     assert errors == []
 
 

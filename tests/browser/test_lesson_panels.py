@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from tests.browser.lab import browser_page
 from tests.browser.lesson_panels import panel_cells
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -63,9 +62,8 @@ class Page:
 
 
 @pytest.fixture(scope="module")
-def panels(lab, chromium):
-    with browser_page(chromium) as opened:
-        yield Page(lab, opened)
+def panels(lab, context):
+    yield Page(lab, context.new_page())
     assert lab.our_errors() == []
 
 

@@ -4,7 +4,6 @@ import string
 
 import pytest
 
-from tests.browser.lab import browser_page
 from tests.browser.lesson_panels import panels_by_kind
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -26,16 +25,16 @@ _SOURCES = """() => window.jupyterapp.shell.currentWidget.content.model.sharedMo
 
 
 @pytest.fixture(scope="module")
-def notebook(lab, chromium):
+def notebook(lab, context):
     """Return a page with one panel of each kind, in the cells after the first."""
     lessons = panels_by_kind()
     made = [f"panel_of{lessons[kind]!r}" for kind in KINDS if kind in lessons]
     lab.write("keys.ipynb", "from tests.browser.lesson_panels import panel_of", *made, CONTROL)
-    with browser_page(chromium) as page:
-        lab.open(page, "keys.ipynb")
-        lab.run_all(page, 300)
-        assert lab.errors(page) == []
-        yield page
+    page = context.new_page()
+    lab.open(page, "keys.ipynb")
+    lab.run_all(page, 300)
+    assert lab.errors(page) == []
+    yield page
     assert lab.our_errors() == []
 
 

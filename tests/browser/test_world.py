@@ -1,7 +1,5 @@
 """In a real browser: mouse and keys turn the view of the world, and without WebGL it is a picture."""
 
-from contextlib import contextmanager
-
 import cv2
 import numpy as np
 import pytest
@@ -12,7 +10,7 @@ from nao_course.widgets.world.contents import WorldContents
 from nao_course.widgets.world.picture import cameras
 from nao_course.widgets.world.robot import camera_in_head
 from nao_course.widgets.world.scene import WorldScene
-from tests.browser.lab import browser_page, wait_for
+from tests.browser.lab import browser, wait_for
 from tests.browser.notebook_page import panel_of
 
 pytestmark = pytest.mark.browser
@@ -46,13 +44,20 @@ STATE = """() => {
 }"""
 
 
-@contextmanager
-def opened(lab, chromium, *cells, webgl=True):
-    lab.console.clear()
-    with browser_page(chromium, webgl=webgl) as page:
-        panel_of(lab, page, "world.ipynb", *cells, kind=".nao-world")
-        yield page
-        assert lab.our_errors() == []
+NO_WEBGL = """{ const before = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+  return String(kind).startsWith('webgl') ? null : before.call(this, kind, ...rest);
+}; }"""
+
+
+@pytest.fixture(scope="module")
+def context(chromium):
+    with browser(chromium, webgl=True) as opened:
+        yield opened
+
+
+def show(lab, page, *cells):
+    panel_of(lab, page, "world.ipynb", *cells, kind=".nao-world")
 
 
 def canvas_pixels(page):
@@ -82,88 +87,85 @@ def run_last_cell(page):
     )
 
 
-def test_mouse_and_keys_turn_it_and_the_head_moves(lab, chromium):
-    with opened(lab, chromium, CELL) as page:
-        before = settled(page)
-        colours = canvas_pixels(page).reshape(-1, 3).astype(int)
-        blue, green, red = colours.T
-        assert ((green > red + 40) & (green > blue + 20)).mean() > 0.2  # carpet
-        canvas = page.locator(".nao-world canvas")
-        assert "robot at (0.60, -0.50) m" in canvas.get_attribute("aria-label")
-        box = canvas.bounding_box()
-        middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-        # The wheel scrolls the page until the view is clicked.
-        page.mouse.move(*middle)
-        page.mouse.wheel(0, -300)
-        assert settled(page)["viewpoint"] == before["viewpoint"]
-        page.mouse.move(*middle)
-        page.mouse.down()
-        page.mouse.move(middle[0] - 100, middle[1] + 40, steps=4)
-        page.mouse.up()
-        dragged = settled(page)
-        assert dragged["viewpoint"]["azimuth"] == pytest.approx(
-            before["viewpoint"]["azimuth"] + 0.8, abs=0.02
+def test_mouse_and_keys_turn_it_and_the_head_moves(lab, page):
+    show(lab, page, CELL)
+    before = settled(page)
+    colours = canvas_pixels(page).reshape(-1, 3).astype(int)
+    blue, green, red = colours.T
+    assert ((green > red + 40) & (green > blue + 20)).mean() > 0.2  # carpet
+    canvas = page.locator(".nao-world canvas")
+    assert "robot at (0.60, -0.50) m" in canvas.get_attribute("aria-label")
+    box = canvas.bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    # The wheel scrolls the page until the view is clicked.
+    page.mouse.move(*middle)
+    page.mouse.wheel(0, -300)
+    assert settled(page)["viewpoint"] == before["viewpoint"]
+    page.mouse.move(*middle)
+    page.mouse.down()
+    page.mouse.move(middle[0] - 100, middle[1] + 40, steps=4)
+    page.mouse.up()
+    dragged = settled(page)
+    assert dragged["viewpoint"]["azimuth"] == pytest.approx(before["viewpoint"]["azimuth"] + 0.8, abs=0.02)
+    assert dragged["viewpoint"]["elevation"] > before["viewpoint"]["elevation"] + 0.2
+    page.mouse.wheel(0, -300)
+    nearer = settled(page)
+    assert nearer["viewpoint"]["distance"] < 0.8 * dragged["viewpoint"]["distance"]
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("-")
+    keyed = settled(page)
+    assert keyed["viewpoint"]["azimuth"] == pytest.approx(nearer["viewpoint"]["azimuth"] - 0.08)
+    assert keyed["viewpoint"]["distance"] > nearer["viewpoint"]["distance"]
+    for key, follows in (("2", False), ("3", False), ("1", True)):
+        page.keyboard.press(key)
+        chosen = settled(page)
+        assert chosen["viewpoint"]["follows"] is follows
+    assert chosen["viewpoint"] == before["viewpoint"] == chosen["told"]
+    page.locator(".nao-world .views button", has_text="Above").click()
+    assert settled(page)["viewpoint"]["elevation"] > 1.5
+    assert page.locator(".nao-world .views button", has_text="Above").get_attribute("aria-pressed") == "true"
+
+
+def test_an_update_moves_the_robot_and_its_head_to_the_pose_of_the_simulator(lab, page):
+    show(lab, page, CELL, MOVE)
+    settled(page)
+    run_last_cell(page)
+    wait_for(lambda: page.evaluate(STATE)["truth"][0] > 0.69, "robot at its new pose", 240)
+    state = settled(page)
+    head = np.array(state["head"]).reshape(4, 4).T
+    pose, scene = Pose(0.7, -0.5, 0.2), WorldScene(Field(), Reality())
+    contents = WorldContents(pose, head=(1.0, 0.3))
+    for name, wanted in cameras(scene, contents, pose, (0.0, 0.0)).items():
+        np.testing.assert_allclose(head @ camera_in_head(name), wanted, atol=1e-3)
+
+
+def test_without_webgl_it_is_a_picture_that_turns_too(lab, page):
+    page.add_init_script(NO_WEBGL)
+    show(lab, page, CELL)
+    image = page.locator(".nao-world img")
+    wait_for(lambda: image.evaluate("image => image.naturalWidth") == 640, "picture of the view", 240)
+    before = image.get_attribute("src")
+    assert "robot at (0.60, -0.50) m" in image.get_attribute("alt")
+    image.click()
+    page.keyboard.press("2")
+    wait_for(lambda: image.get_attribute("src") != before, "picture from above", 240)
+    assert page.evaluate(STATE)["viewpoint"]["follows"] is False
+    wait_for(lambda: image.evaluate("image => image.naturalWidth") == 640, "picture from above", 240)
+
+
+def test_it_fits_a_narrow_page_in_light_and_dark(lab, page):
+    show(lab, page, CELL)
+    page.set_viewport_size({"width": 900, "height": 800})
+    settled(page)
+    root = page.locator(".nao-world")
+    for theme, dark in (("JupyterLab Dark", True), ("JupyterLab Light", False)):
+        page.evaluate(
+            "theme => window.jupyterapp.commands.execute('apputils:change-theme', {theme}).then(() => null)",
+            theme,
         )
-        assert dragged["viewpoint"]["elevation"] > before["viewpoint"]["elevation"] + 0.2
-        page.mouse.wheel(0, -300)
-        nearer = settled(page)
-        assert nearer["viewpoint"]["distance"] < 0.8 * dragged["viewpoint"]["distance"]
-        page.keyboard.press("ArrowLeft")
-        page.keyboard.press("-")
-        keyed = settled(page)
-        assert keyed["viewpoint"]["azimuth"] == pytest.approx(nearer["viewpoint"]["azimuth"] - 0.08)
-        assert keyed["viewpoint"]["distance"] > nearer["viewpoint"]["distance"]
-        for key, follows in (("2", False), ("3", False), ("1", True)):
-            page.keyboard.press(key)
-            chosen = settled(page)
-            assert chosen["viewpoint"]["follows"] is follows
-        assert chosen["viewpoint"] == before["viewpoint"] == chosen["told"]
-        page.locator(".nao-world .views button", has_text="Above").click()
-        assert settled(page)["viewpoint"]["elevation"] > 1.5
-        assert (
-            page.locator(".nao-world .views button", has_text="Above").get_attribute("aria-pressed") == "true"
-        )
-
-
-def test_an_update_moves_the_robot_and_its_head_to_the_pose_of_the_simulator(lab, chromium):
-    with opened(lab, chromium, CELL, MOVE) as page:
-        settled(page)
-        run_last_cell(page)
-        wait_for(lambda: page.evaluate(STATE)["truth"][0] > 0.69, "robot at its new pose", 240)
-        state = settled(page)
-        head = np.array(state["head"]).reshape(4, 4).T
-        pose, scene = Pose(0.7, -0.5, 0.2), WorldScene(Field(), Reality())
-        contents = WorldContents(pose, head=(1.0, 0.3))
-        for name, wanted in cameras(scene, contents, pose, (0.0, 0.0)).items():
-            np.testing.assert_allclose(head @ camera_in_head(name), wanted, atol=1e-3)
-
-
-def test_without_webgl_it_is_a_picture_that_turns_too(lab, chromium):
-    with opened(lab, chromium, CELL, webgl=False) as page:
-        image = page.locator(".nao-world img")
-        wait_for(lambda: image.evaluate("image => image.naturalWidth") == 640, "picture of the view", 240)
-        before = image.get_attribute("src")
-        assert "robot at (0.60, -0.50) m" in image.get_attribute("alt")
-        image.click()
-        page.keyboard.press("2")
-        wait_for(lambda: image.get_attribute("src") != before, "picture from above", 240)
-        assert page.evaluate(STATE)["viewpoint"]["follows"] is False
-        wait_for(lambda: image.evaluate("image => image.naturalWidth") == 640, "picture from above", 240)
-
-
-def test_it_fits_a_narrow_page_in_light_and_dark(lab, chromium):
-    with opened(lab, chromium, CELL) as page:
-        page.set_viewport_size({"width": 900, "height": 800})
-        settled(page)
-        root = page.locator(".nao-world")
-        for theme, dark in (("JupyterLab Dark", True), ("JupyterLab Light", False)):
-            page.evaluate(
-                "theme => window.jupyterapp.commands.execute('apputils:change-theme', {theme}).then(() => null)",
-                theme,
-            )
-            wait_for(lambda dark=dark: ("dark" in root.get_attribute("class").split()) == dark, theme, 240)
-        # JupyterLab may take a cell out of the page for a moment when its size or theme changes.
-        wait_for(lambda: page.locator(".nao-world .stage").bounding_box(), "view on the page", 240)
-        assert root.evaluate("root => root.scrollWidth <= root.clientWidth + 1")
-        right = root.evaluate("root => root.getBoundingClientRect().right")
-        assert right <= 900
+        wait_for(lambda dark=dark: ("dark" in root.get_attribute("class").split()) == dark, theme, 240)
+    # JupyterLab may take a cell out of the page for a moment when its size or theme changes.
+    wait_for(lambda: page.locator(".nao-world .stage").bounding_box(), "view on the page", 240)
+    assert root.evaluate("root => root.scrollWidth <= root.clientWidth + 1")
+    right = root.evaluate("root => root.getBoundingClientRect().right")
+    assert right <= 900

@@ -140,9 +140,9 @@ def test_the_student_copy_and_the_executed_solution_are_those_of_the_text_which_
 
 @pytest.mark.slow
 # Running all of them twice would take a quarter of an hour.
-@pytest.mark.parametrize("name", COURSE.names(["06"]))
+@pytest.mark.parametrize("name", COURSE.names(["01"]))
 def test_building_twice_makes_the_same_bytes(name):
-    assert build.build(COURSE, [name]).files == build.build(COURSE, [name], prove=True).files
+    assert build.build(COURSE, [name]).files == build.build(COURSE, [name]).files
 
 
 @each_lesson
