@@ -8,6 +8,7 @@ import re
 import shutil
 import signal
 import socket
+import sqlite3
 import subprocess
 import sys
 import time
@@ -173,6 +174,7 @@ def test_the_digest_of_a_course_is_of_all_its_modules(monkeypatch, tmp_path):
 
 CONNECTS = """
 import socket
+import sqlite3
 def double(x):
     socket.create_connection(({host!r}, {port}), 5).close()
     return 2 * x
