@@ -1,4 +1,4 @@
-"""Proofs of lessons, kept: what was proven is proven again only when something that it rests on has changed.
+"""Proofs of lessons, kept: an exercise is proven again only when something that its proof rests on has changed.
 
 A proof is kept in two places. The manifest `solutions/proofs.json` is committed, and vouches for the committed check
 data, so that a release of a fresh clone proves nothing. The folder `build/proofs` has what was proven here since.
@@ -10,22 +10,24 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import nao_course
 from nao_course.codec import encode
 from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.cells import SHOWN
-from nao_course.exercises.checking import pack
+from nao_course.exercises.checking import pack, unpack
 from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.notebook_text import read_cells
 from nao_course.instructor.authoring.course import CHECKS, OUTLINES
+from nao_course.instructor.authoring.dependencies import code_by_exercise
 from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import PlanError, load_solution, public_lesson, solutions_beside
 
@@ -50,6 +52,9 @@ APART = (
     "instructor/class_commands.py",
     "instructor/collecting/",
     "instructor/commands.py",
+    "instructor/feedback_pages.py",
+    "instructor/gradebook/journal.py",
+    "instructor/gradebook/scores.py",
     "instructor/gradescope.py",
     "instructor/personal_numbers.py",
     "instructor/reports/",
@@ -63,8 +68,10 @@ class Proofs:
     """The proofs of a course's lessons.
 
     A proof is the check data of a lesson, with the hash of all that it rests on: the library, the declaration, the
-    points, and the solutions of the lesson and of those before it; and with the versions of Python and of what
-    computes. `declarations` are files and `plans` what they declare, with the course's points, by the names of all
+    points, and the solutions of the lesson and of those before it; with the same for each exercise, without what only
+    other exercises rest on; and with the versions of Python and of what computes.
+
+    `declarations` are files and `plans` what they declare, with the course's points, by the names of all
     lessons; with `anew`, everything is proven again.
     """
 
@@ -75,70 +82,100 @@ class Proofs:
     anew: bool = False
 
     def check_data(self, name: str) -> bytes:
-        """Return the proven data of a lesson's checks; an earlier proof is used if it rests on the same.
+        """Return the proven data of a lesson's checks; earlier proofs, also of single exercises, are used again.
 
         Raise a PlanError with one line for each thing that is wrong with the lesson's declaration.
         """
-        proof = self.rests_on(name), _versions()
-        if not self.anew:
-            kept = _read(self._file(name), *proof) or self._committed(name, *proof)
-            if kept is not None:
-                return kept
-        data = self._prove(name)
-        _write(self._file(name), _head(*proof, data) + b"\n" + data)
+        head = self._head(name)
+        kept = [] if self.anew else list(self._kept(name))
+        for earlier, data in kept:
+            if earlier["lesson"] == head["lesson"]:
+                return data
+        data = self._prove(name, _proven_already(head["exercises"], kept))
+        _write(self._file(name), json.dumps(head | {"data": _hash(data)}).encode() + b"\n" + data)
         return data
 
     def manifest(self, proven: Mapping[str, bytes]) -> bytes:
         """Return the manifest with the proofs of lessons whose check data are given in the place of theirs."""
-        lines = {name: line for name, line in self._manifest.items() if name in self.plans}
+        heads = {name: head for name, head in self._manifest.items() if name in self.plans}
         for name, data in proven.items():
-            lines[name] = _head(self.rests_on(name), _versions(), data).decode()
-        return (json.dumps(lines, indent=2, sort_keys=True) + "\n").encode()
+            heads[name] = self._head(name) | {"data": _hash(data)}
+        return (json.dumps(heads, indent=2, sort_keys=True) + "\n").encode()
 
     def is_vouched_for(self, name: str, data: bytes) -> bool:
         """Return whether these check data were proven on the same inputs, with any versions of libraries."""
-        inputs, _, found = self._manifest.get(name, "").partition(" ")
-        return inputs == self.rests_on(name) and found.endswith(_hash(data))
+        head = self._manifest.get(name, {})
+        return head.get("lesson") == self.rests_on(name) and head.get("data") == _hash(data)
 
-    def _committed(self, name: str, rests_on: str, versions: str) -> bytes | None:
-        """Return the committed check data of a lesson, if the manifest vouches for them."""
-        try:
+    def _head(self, name: str) -> dict[str, Any]:
+        """Return what stands for a proof, but for the hash of its data."""
+        return {
+            "lesson": self.rests_on(name),
+            "exercises": self._exercises_rest_on(name),
+            "versions": _versions(),
+        }
+
+    def _kept(self, name: str) -> Iterator[tuple[Mapping[str, Any], bytes]]:
+        """Yield what was proven with the same versions, here or before it was committed, if it is complete."""
+        with suppress(OSError, ValueError):
+            line, _, data = self._file(name).read_bytes().partition(b"\n")
+            if _is_proof(head := json.loads(line), data):
+                yield head, data
+        with suppress(OSError):
             data = (self.root / CHECKS / f"{name}.bin").read_bytes()
-        except OSError:
-            return None
-        return data if self._manifest.get(name) == _head(rests_on, versions, data).decode() else None
+            if _is_proof(head := self._manifest.get(name, {}), data):
+                yield head, data
 
     @cached_property
-    def _manifest(self) -> Mapping[str, str]:
-        """The committed line of each lesson; a file that cannot be read vouches for nothing."""
+    def _manifest(self) -> Mapping[str, Any]:
+        """What is committed of each lesson; a file that cannot be read vouches for nothing."""
         try:
             found = json.loads((self.root / MANIFEST).read_bytes())
         except (OSError, ValueError):
             return {}
-        return {name: str(line) for name, line in found.items()} if isinstance(found, dict) else {}
+        return (
+            {name: head for name, head in found.items() if _is_head(head)} if isinstance(found, dict) else {}
+        )
 
     def rests_on(self, name: str) -> str:
         """Hash all that the proof of a lesson rests on but the versions of other software."""
-        plan, later = self.plans[name], {_folder(each) for each in self.plans if each > name}
-        declaration = self.declarations[name]
-        parts = {
-            "lesson": name,
-            "library": {file: kept for file, kept in self._library.items() if _owner(file) not in later},
+        plan, declaration = self.plans[name], self.declarations[name]
+        parts = self._shared(name) | {
             "declaration": _hash(declaration.read_bytes()) if declaration.is_file() else "",
             "points": plan.points,
             "names of others": sorted(
                 self._taken(name) & {*plan.points, *(each.name for each in plan.questions)}
             ),
-            "solutions": {each: code for each, code in self._solutions.items() if each <= name},
+            "solution": self._solutions.get(name, []),
         }
         return _hash(json.dumps(parts, sort_keys=True).encode())
 
-    def _prove(self, name: str) -> bytes:
-        """Prove a lesson's plan against its solution and pack what its checks need."""
+    def _exercises_rest_on(self, name: str) -> dict[str, str]:
+        """Hash the same for each exercise, without what only other exercises of the lesson rest on."""
+        plan, file = self.plans[name], self.declarations[name]
+        declaration = file.read_text(encoding="utf-8") if file.is_file() else ""
+        names = [each.name for each in plan.exercises]
+        code, shared = code_by_exercise(declaration, self._solutions.get(name, []), names), self._shared(name)
+        return {
+            each: _hash(json.dumps([shared, number, plan.points[each], code[each]], sort_keys=True).encode())
+            for number, each in enumerate(names)
+        }
+
+    def _shared(self, name: str) -> dict[str, Any]:
+        """Return what all exercises of a lesson rest on: the library and the solutions of earlier lessons."""
+        later = {_folder(each) for each in self.plans if each > name}
+        return {
+            "name": name,
+            "library": {file: kept for file, kept in self._library.items() if _owner(file) not in later},
+            "earlier": {each: cells for each, cells in self._solutions.items() if each < name},
+        }
+
+    def _prove(self, name: str, proven: Mapping[str, PublicExercise]) -> bytes:
+        """Prove a lesson's plan against its solution, but for some exercises, and pack what its checks need."""
         plan, notebook = self.plans[name], self.solutions / f"{name}.ipynb"
         reference = load_solution(notebook)
         with resolved_by(solutions_beside(notebook)):
-            exercises = check_plan(name, plan, reference, self._taken(name))
+            exercises = check_plan(name, plan, reference, self._taken(name), proven)
             data = pack(public_lesson(name, plan, reference, exercises))
         if len(data) > MOST_CHECK_DATA:
             raise PlanError(f"{name}: {_too_much(exercises, len(data))}")
@@ -165,10 +202,10 @@ class Proofs:
         }
 
     @cached_property
-    def _solutions(self) -> dict[str, str]:
-        """The hash of what each solution notebook defines with: all code but checks and what is only shown."""
+    def _solutions(self) -> dict[str, list[tuple[str, str]]]:
+        """What each solution notebook defines with: all code but checks and what is only shown."""
         return {
-            path.stem: _hash(json.dumps([cell for cell in read_cells(path) if _defines(cell[0])]).encode())
+            path.stem: [cell for cell in read_cells(path) if _defines(cell[0])]
             for path in self.solutions.glob(f"{lesson_names.PATTERN}.ipynb")
         }
 
@@ -200,13 +237,27 @@ def _versions() -> str:
     )
 
 
-def _read(file: Path, rests_on: str, versions: str) -> bytes | None:
-    """Return the check data that was proven, if it is complete and depends on the same inputs."""
-    try:
-        head, _, data = file.read_bytes().partition(b"\n")
-    except OSError:
-        return None
-    return data if head == _head(rests_on, versions, data) else None
+def _is_head(head: object) -> bool:
+    """Return whether this has the parts of what stands for a proof."""
+    parts = {"lesson": str, "exercises": dict, "versions": str, "data": str}
+    return isinstance(head, dict) and all(isinstance(head.get(part), kind) for part, kind in parts.items())
+
+
+def _is_proof(head: Any, data: bytes) -> bool:
+    """Return whether these data were proven, with the present versions."""
+    return _is_head(head) and head["data"] == _hash(data) and head["versions"] == _versions()
+
+
+def _proven_already(
+    wanted: Mapping[str, str], kept: Sequence[tuple[Mapping[str, Any], bytes]]
+) -> dict[str, PublicExercise]:
+    """Return the exercises of earlier proofs that rest on the same as now."""
+    found: dict[str, PublicExercise] = {}
+    for head, data in kept:
+        same = {name for name, rests_on in wanted.items() if head["exercises"].get(name) == rests_on}
+        if same - found.keys():
+            found |= {each.name: each for each in unpack(data).exercises if each.name in same}
+    return found
 
 
 def _write(file: Path, content: bytes) -> None:
@@ -216,11 +267,6 @@ def _write(file: Path, content: bytes) -> None:
         temporary = file.with_name(f".{file.name}.{os.getpid()}")
         temporary.write_bytes(content)
         temporary.replace(file)
-
-
-def _head(rests_on: str, versions: str, data: bytes) -> bytes:
-    """Return the line that stands for a proof: the hash of its inputs, the versions, and the hash of the data."""
-    return f"{rests_on} {versions} {_hash(data)}".encode()
 
 
 def _too_much(exercises: Sequence[PublicExercise], size: int) -> str:

@@ -35,13 +35,22 @@ def place(tmp_path, monkeypatch):
     return tmp_path
 
 
+class Proven(list):
+    def __init__(self):
+        self.exercises = []
+
+
 @pytest.fixture
 def proven(monkeypatch):
-    """Names of the lessons that were proven, one for each time; here they are all right."""
-    names = []
+    """Names of the lessons that were proven, one for each time; here they are all right.
 
-    def check_plan(name, plan, reference, taken):
+    `proven.exercises` are the names of the exercises, one for each time.
+    """
+    names = Proven()
+
+    def check_plan(name, plan, reference, taken, proven_already):
         names.append(name)
+        names.exercises += [each.name for each in plan.exercises if each.name not in proven_already]
         return publish(name, plan, reference).exercises
 
     monkeypatch.setattr(proofs, "check_plan", check_plan)
@@ -146,6 +155,39 @@ def test_after_a_change_of_what_a_proof_rests_on_nothing_vouches_for_it_and_it_i
     assert proven == [NAME, NAME]
 
 
+def edit(file, old, new):
+    def change(place):
+        path = place / "solutions" / file
+        text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new))
+
+    return change
+
+
+DECLARATION = f"exercises/{NAME}.py"
+
+
+@pytest.mark.parametrize(
+    ("change", "exercises"),
+    [
+        (edit(DECLARATION, "Swap min and max.", "Swap them."), ["clamp"]),
+        (edit(f"{NAME}.ipynb", "float(positive.mean())", "positive.mean()"), ["mean_of_positive"]),
+        (edit(f"{NAME}.ipynb", "import numpy as np", "import numpy"), ["clamp", "mean_of_positive"]),
+        (append("nao_course/geometry.py"), ["clamp", "mean_of_positive"]),
+        (append(f"solutions/{DECLARATION}"), []),
+    ],
+)
+@pytest.mark.parametrize("committed", [False, True])
+def test_an_edited_exercise_is_proven_alone(place, proven, change, exercises, committed):
+    (commit if committed else lambda place: proofs_of(place).check_data(NAME))(place)
+    assert proven.exercises == ["clamp", "mean_of_positive"]
+    change(place)
+    again = proofs_of(place).check_data(NAME)
+    assert proven.exercises[2:] == exercises
+    assert again == proofs_of(place, anew=True).check_data(NAME)
+
+
 @pytest.mark.parametrize("of", proofs.COMPUTES)
 def test_the_manifest_names_the_versions_and_another_version_is_proven_anew(place, proven, monkeypatch, of):
     data = commit(place)
@@ -168,6 +210,7 @@ def test_the_manifest_names_the_versions_and_another_version_is_proven_anew(plac
         (MANIFEST, lambda file: file.write_bytes(file.read_bytes()[:-2])),
         (MANIFEST, lambda file: file.write_text("[1]")),
         (MANIFEST, lambda file: file.write_text(f'{{"{NAME}": 1}}')),
+        (MANIFEST, lambda file: file.write_text(file.read_text().replace('"exercises"', '"exercise"'))),
         (MANIFEST, lambda file: file.write_bytes(b"\xff")),
         (MANIFEST, lambda file: file.unlink()),
     ],
@@ -184,7 +227,7 @@ def test_the_manifest_keeps_other_lessons_and_forgets_those_that_are_gone(place,
     found = proofs_of(place)
     lines = json.loads(found.manifest({LATER: b"data"}))
     assert lines.keys() == {NAME, LATER}
-    (place / MANIFEST).write_text(json.dumps(lines | {"92_gone": "a proof"}))
+    (place / MANIFEST).write_text(json.dumps(lines | {"92_gone": lines[NAME]}))
     assert json.loads(proofs_of(place).manifest({})) == lines
 
 
@@ -195,7 +238,7 @@ from tests.lessons.every import COURSE
 
 plans = {each: COURSE.plan(each) for each in COURSE.names()}
 declarations = {each: COURSE.declaration(each) for each in plans}
-Proofs(COURSE.root, declarations, plans, COURSE.solutions)._prove(COURSE.names()[0])
+Proofs(COURSE.root, declarations, plans, COURSE.solutions)._prove(COURSE.names()[0], {})
 print(*(each.__file__ for each in list(sys.modules.values()) if getattr(each, "__file__", None)), sep="\\n")
 """
 
