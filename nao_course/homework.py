@@ -17,7 +17,7 @@ from nao_course._internal.lazy_names import list_public
 from nao_course._internal.renamed_names import with_new_names
 from nao_course._internal.text_encodings import decode_text
 from nao_course.exercises.answered import notebooks_in
-from nao_course.exercises.cells import grade_id, is_solution, metadata, source_of
+from nao_course.exercises.cells import cell_id, grade_id, is_solution, metadata, source_of
 from nao_course.exercises.checking import lessons
 from nao_course.exercises.notebook_text import LARGEST_HELPER, MOST_BYTES, MOST_HELPERS
 from nao_course.exercises.versions import installed_versions
@@ -310,7 +310,7 @@ def _blank(cell: Cell) -> Cell:
 
 
 def _key(cell: Cell) -> str:
-    return grade_id(cell) or str(cell.get("id") or cell.get("metadata", {}).get("id", ""))
+    return grade_id(cell) or cell_id(cell)
 
 
 def _is_locked(cell: Cell) -> bool:

@@ -27,6 +27,13 @@ def grade_id(cell: Mapping[str, Any]) -> str:
     return str(metadata(cell, "nbgrader").get("grade_id") or "")
 
 
+def cell_id(cell: Mapping[str, Any]) -> str:
+    """Return a cell's id, which some editors keep in the metadata; empty without one."""
+    held = cell.get("metadata")
+    found = cell.get("id") or (held.get("id") if isinstance(held, dict) else "")
+    return found if isinstance(found, str) else ""
+
+
 def is_solution(cell: Mapping[str, Any]) -> bool:
     """Return whether a student writes the cell: an exercise or a written answer."""
     return bool(metadata(cell, "nbgrader").get("solution"))

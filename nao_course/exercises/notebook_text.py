@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from nao_course._internal.text_encodings import NotTextError, decode_text
-from nao_course.exercises.cells import grade_id, metadata, source_of, stated_role
+from nao_course.exercises.cells import cell_id, grade_id, metadata, source_of, stated_role
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.exercises.outline import UNKNOWN, Outline
 
@@ -181,13 +181,7 @@ def _cells(notebook: dict[str, Any]) -> list[dict[str, Any]]:
     cells = [cell for cell in notebook["cells"] if isinstance(cell, dict)]
     if notebook["cells"] and not any(_is_whole(cell) for cell in cells):
         raise _NotebookError("none of its cells has a type and a source; save it again with JupyterLab")
-    return [{"id": _id_in_metadata(cell), **cell} for cell in cells]
-
-
-def _id_in_metadata(cell: dict[str, Any]) -> str:
-    held = cell.get("metadata")
-    found = held.get("id") if isinstance(held, dict) else ""
-    return found if isinstance(found, str) else ""
+    return [{"id": cell_id(cell), **cell} for cell in cells]
 
 
 def _cells_in(cell: dict[str, Any]) -> list[dict[str, Any]]:
