@@ -20,10 +20,10 @@ from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.exercises.outline import outline_bytes
 from nao_course.instructor.authoring import lesson_text
-from nao_course.instructor.authoring.course import CHECKS, OUTLINES, Course, LessonError
+from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.execute import Tell, execute_all
 from nao_course.instructor.authoring.plan_checks import plan_warnings, use_problems
-from nao_course.instructor.authoring.plans import PlanError
+from nao_course.instructor.authoring.plans import CHECKS, OUTLINES, PlanError
 from nao_course.instructor.authoring.proofs import MANIFEST, Proofs
 from nao_course.instructor.authoring.rounding_errors import same_but_for_rounding
 from nao_course.instructor.authoring.stamps import edited, stamp

@@ -9,13 +9,10 @@ from pathlib import Path
 
 from nao_course.exercises import lesson_names
 from nao_course.exercises.exercise import LessonPlan
-from nao_course.exercises.outline import FOLDER
 from nao_course.instructor.authoring.course_file import NAME, CourseFileError, read_course_file
-from nao_course.instructor.authoring.plans import load_plan
+from nao_course.instructor.authoring.plans import CHECKS, load_plan
 from nao_course.instructor.gradebook.late import LatePolicy
 
-OUTLINES = Path("nao_course", "exercises", FOLDER)  # the cells of each released notebook
-CHECKS = Path("nao_course", "exercises", "checks")  # in the course's folder: the data of each lesson's checks
 ABOUT = "lessons.toml"  # in the folder of texts: what is said about each lesson outside of it
 
 

@@ -28,6 +28,7 @@ from nao_course.exercises.exercise import (
     PublicQuestion,
     PublicWritten,
 )
+from nao_course.exercises.outline import FOLDER
 from nao_course.exercises.running import Outcome, call_all, describe, own_line
 from nao_course.instructor.authoring.declarations import case_problems, declaration_problems, undeclared_uses
 from nao_course.instructor.authoring.mistake_pairs import recognisable
@@ -35,6 +36,8 @@ from nao_course.instructor.authoring.mistakes import ChangeError, with_functions
 from nao_course.instructor.authoring.perturbation import perturbed_cases
 
 SOLUTIONS = Path("solutions")
+CHECKS = Path("nao_course", "exercises", "checks")  # in the course's folder: the data of each lesson's checks
+OUTLINES = Path("nao_course", "exercises", FOLDER)  # the cells of each released notebook
 PAIR_SECONDS = 1.0  # of a call with two mistakes at once: together they may never end
 PATIENCE = 3  # times an exercise's seconds, after which a call of the author's own functions is stopped
 SEEDS = (1, 2, 3)  # of the hidden cases that a plan is checked with; the grader draws others

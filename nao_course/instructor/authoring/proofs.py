@@ -26,10 +26,16 @@ from nao_course.exercises.checking import pack, unpack
 from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.notebook_text import read_cells
-from nao_course.instructor.authoring.course import CHECKS, OUTLINES
 from nao_course.instructor.authoring.dependencies import code_by_exercise
 from nao_course.instructor.authoring.plan_checks import check_plan
-from nao_course.instructor.authoring.plans import PlanError, load_solution, public_lesson, solutions_beside
+from nao_course.instructor.authoring.plans import (
+    CHECKS,
+    OUTLINES,
+    PlanError,
+    load_solution,
+    public_lesson,
+    solutions_beside,
+)
 
 FOLDER = Path("build", "proofs")  # git ignores it, and no release looks there
 MANIFEST = Path("solutions", "proofs.json")
@@ -42,23 +48,28 @@ APART = (
     "cli.py",
     "homework.py",
     "instructor/authoring/build.py",
+    "instructor/authoring/course.py",
+    "instructor/authoring/course_file.py",
     "instructor/authoring/execute.py",
     "instructor/authoring/leaks.py",
+    "instructor/authoring/lesson_text.py",
     "instructor/authoring/mutation.py",
     "instructor/authoring/release.py",
     "instructor/authoring/rounding_errors.py",
     "instructor/authoring/scaffold.",
+    "instructor/authoring/stamps.py",
     "instructor/autograding/",
     "instructor/class_commands.py",
     "instructor/collecting/",
     "instructor/commands.py",
     "instructor/feedback_pages.py",
-    "instructor/gradebook/journal.py",
-    "instructor/gradebook/scores.py",
+    "instructor/gradebook/",
     "instructor/gradescope.py",
     "instructor/personal_numbers.py",
     "instructor/reports/",
     "instructor/similarity/",
+    "instructor/student_commands.py",
+    "instructor/submission_times.py",
     "lab/",
 )
 
@@ -108,7 +119,7 @@ class Proofs:
         return head.get("lesson") == self.rests_on(name) and head.get("data") == _hash(data)
 
     def _head(self, name: str) -> dict[str, Any]:
-        """Return what stands for a proof, but for the hash of its data."""
+        """Return what stands for a proof, except the hash of its data."""
         return {
             "lesson": self.rests_on(name),
             "exercises": self._exercises_rest_on(name),
@@ -171,7 +182,7 @@ class Proofs:
         }
 
     def _prove(self, name: str, proven: Mapping[str, PublicExercise]) -> bytes:
-        """Prove a lesson's plan against its solution, but for some exercises, and pack what its checks need."""
+        """Prove a lesson's plan, except for exercises that are `proven`, and pack what its checks need."""
         plan, notebook = self.plans[name], self.solutions / f"{name}.ipynb"
         reference = load_solution(notebook)
         with resolved_by(solutions_beside(notebook)):

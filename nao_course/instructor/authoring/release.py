@@ -18,11 +18,11 @@ from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.homework import NOTEBOOKS, RELEASE, zipped
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.build import CODE_STUB, build
-from nao_course.instructor.authoring.course import CHECKS, OUTLINES, Course, LessonError
+from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.execute import Tell
 from nao_course.instructor.authoring.leaks import find_leaks, fingerprints, fingerprints_in
 from nao_course.instructor.authoring.mistakes import Change
-from nao_course.instructor.authoring.plans import load_plan
+from nao_course.instructor.authoring.plans import CHECKS, OUTLINES, load_plan
 from nao_course.instructor.authoring.proofs import MANIFEST
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.collecting.names import safe_name

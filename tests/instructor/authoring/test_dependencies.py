@@ -23,7 +23,7 @@ CELLS = [
 
 
 def lines(name, declaration=DECLARATION, cells=CELLS):
-    """What an exercise rests on, of each statement the word that tells it from others."""
+    """Return what an exercise rests on, as one word of each statement."""
     code = code_by_exercise(declaration, cells, ["first", "second"])[name]
     words = (
         "np",

@@ -11,8 +11,7 @@ import pytest
 
 from nao_course.exercises.checking import unpack
 from nao_course.instructor.authoring import proofs
-from nao_course.instructor.authoring.course import CHECKS
-from nao_course.instructor.authoring.plans import PlanError, load_plan, publish
+from nao_course.instructor.authoring.plans import CHECKS, PlanError, load_plan, publish
 from nao_course.instructor.authoring.proofs import FOLDER, MANIFEST, Proofs
 from tests.paths import PROJECT
 from tests.toy import toy
@@ -234,11 +233,12 @@ def test_the_manifest_keeps_other_lessons_and_forgets_those_that_are_gone(place,
 LOADED = """
 import sys
 from nao_course.instructor.authoring.proofs import Proofs
-from tests.lessons.every import COURSE
+from nao_course.instructor.authoring.plans import load_plan
+from tests.paths import SOLUTIONS
 
-plans = {each: COURSE.plan(each) for each in COURSE.names()}
-declarations = {each: COURSE.declaration(each) for each in plans}
-Proofs(COURSE.root, declarations, plans, COURSE.solutions)._prove(COURSE.names()[0], {})
+declarations = {path.stem: path for path in sorted((SOLUTIONS / "exercises").glob("[0-9]*.py"))}
+plans = {name: load_plan(path) for name, path in declarations.items()}
+Proofs(SOLUTIONS.parent, declarations, plans, SOLUTIONS)._prove(min(plans), {})
 print(*(each.__file__ for each in list(sys.modules.values()) if getattr(each, "__file__", None)), sep="\\n")
 """
 
