@@ -366,6 +366,14 @@ def grade(
     require_sandbox: str = typer.Option("", metavar="LEVEL", help="Refuse to run below this level."),
     scheduler: str = typer.Option("", metavar="ADDRESS", help="Grade with the workers of a Dask scheduler."),
     workers: int = typer.Option(0, min=0, help="Grade with this many Dask workers on this machine."),
+    sheet: Path | None = typer.Option(
+        None, help="The platform's sheet of the class, with students and times, as for students."
+    ),
+    dry_run: bool = typer.Option(
+        False,
+        "--dry-run",
+        help="Print what is recognised: students, attempts, times; grade and write nothing.",
+    ),
 ) -> None:
     """Grade new and changed submissions (instructors). The status is 0 if each has a score or a reason."""
     with _errors_in_words():
@@ -375,7 +383,31 @@ def grade(
         if scheduler and workers:
             raise ValueError("Give --scheduler or --workers, not both: a scheduler has its own workers.")
         machines = Machines(jobs, require_sandbox, scheduler, workers)
-        commands.grade_folder(console, submissions, out, lesson, machines)
+        commands.grade_folder(console, submissions, out, lesson, machines, sheet=sheet, dry_run=dry_run)
+
+
+@app.command(hidden=_STUDENTS)
+def students(
+    grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
+    sheet: Path | None = typer.Option(
+        None, help="Moodle's grading worksheet, Canvas's gradebook, or a CSV file of the class."
+    ),
+    lesson: str = typer.Option("", help="Number of the lesson whose times and Moodle numbers the sheet has."),
+    same: tuple[str, str] | None = typer.Option(
+        None, metavar="NAME STUDENT", help="A name in a download, or a student, who is this student."
+    ),
+    new: str = typer.Option("", metavar="NAME", help="A name in a download that is a new student's."),
+    rename: tuple[str, str] | None = typer.Option(
+        None, metavar="STUDENT NAME", help="Another name for a student, also in the gradebook."
+    ),
+    forget: str = typer.Option("", metavar="STUDENT", help="Delete a student's data, and list what remains."),
+) -> None:
+    """List the students of the class, and say who is who (instructors)."""
+    with _errors_in_words():
+        from nao_course.instructor import student_commands
+
+        for line in student_commands.students(grades, sheet, lesson, same, rename, new, forget):
+            _say(line)
 
 
 @app.command(hidden=_STUDENTS)

@@ -10,20 +10,15 @@ import typer
 
 from nao_course._internal.counts import say_count
 from nao_course.homework import REQUEST
+from nao_course.instructor import submission_times
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.batch import feedback_writer
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.requests import AskedAbout, request_files, requests_in
-from nao_course.instructor.commands import (
-    FEEDBACK,
-    handed_in_before,
-    list_problems,
-    results_of,
-    without_result,
-    write_pages,
-)
+from nao_course.instructor.commands import handed_in_before, list_problems, results_of, without_result
+from nao_course.instructor.feedback_pages import FEEDBACK, write_pages
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Request, SubmissionResult
 from nao_course.instructor.reports import comment_sheets
@@ -46,6 +41,7 @@ def report(grades: Path) -> Iterator[str]:
         yield f"wrote {write_report(journal, grades / 'report.html')}"
         pages = write_pages(journal, grades, journal.each_result())
         yield f"wrote {say_count(len(pages), 'feedback page')} again, with the deadlines of course.toml"
+        yield from submission_times.without_time(journal)
         extensions = journal.policy.extensions if journal.policy else {}
         yield from without_result("course.toml: extensions", extensions, journal)
         yield from list_problems(journal)
@@ -109,7 +105,7 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
     course, unread = load_course(), list[str]()
     with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
         if submissions is not None:
-            texts, problems = request_files(submissions, scratch, course.names(), journal.students())
+            texts, problems = request_files(submissions, scratch, course.names(), journal.roster())
             found = []
             for student in sorted({*texts, *(student for student, _ in problems if student)}):
                 with journal.for_one(student, "requests", "the file was not read"):
@@ -152,6 +148,7 @@ def keep_points(grades: Path, student: str, exercise: str, reason: str) -> Itera
     if not reason.strip():
         raise ValueError("say why with --reason: the journal keeps it, and the student reads it")
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
+        student = journal.roster().meant(student) or student
         answered = [
             result
             for result in journal.each_result(student=student)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
@@ -19,6 +19,7 @@ from rich.table import Table
 from nao_course._internal.counts import say_count
 from nao_course.exercises import lesson_names
 from nao_course.exercises.versions import in_words, installed_versions, newer_than_here
+from nao_course.instructor import student_commands, submission_times
 from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
@@ -27,6 +28,8 @@ from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.autograding.session import Machines, open_session
 from nao_course.instructor.collecting.files import submission_hash
+from nao_course.instructor.collecting.roster import Roster
+from nao_course.instructor.collecting.sheets import read_sheet
 from nao_course.instructor.collecting.submissions import (
     Gathered,
     Submission,
@@ -34,6 +37,7 @@ from nao_course.instructor.collecting.submissions import (
     of_lessons,
     with_earlier,
 )
+from nao_course.instructor.feedback_pages import FEEDBACK, write_pages
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
 from nao_course.instructor.gradebook.scores import all_scores
@@ -42,37 +46,71 @@ from nao_course.instructor.reports import exports, marking_sheets, platforms
 from nao_course.instructor.reports.feedback import feedback_page
 from nao_course.instructor.reports.html import write_whole
 
-FEEDBACK = "feedback"
 NOT_GRADED = "not_graded.txt"
 _SHOWN = 20  # reasons of each kind, and names of those who wait
 
 
-def grade_folder(console: Console, path: Path, out: Path, lessons: Sequence[str], machines: Machines) -> None:
+def grade_folder(
+    console: Console,
+    path: Path,
+    out: Path,
+    lessons: Sequence[str],
+    machines: Machines,
+    *,
+    sheet: Path | None = None,
+    dry_run: bool = False,
+) -> None:
     """Grade a folder or zip of submissions into a folder of grades.
 
-    Raise a ValueError or OSError if there is nothing to grade, or it cannot be kept; exit with status 1 if a submission
-    has neither a score nor a reason, or something that may be a submission was left out.
+    `sheet` is the platform's, with the students and the times of the only lesson. With `dry_run`, what was recognised
+    is printed, and nothing is graded or written. Raise a ValueError or OSError if there is nothing to grade, or it
+    cannot be kept; exit with status 1 if a submission has neither a score nor a reason, or something that may be a
+    submission was left out.
     """
     with scratch_folder() as scratch:
         load_secret()  # what is missing is said before there is a journal
         course = load_course()
         wanted = course.names(lessons)
-        found = gather(path, scratch, course.names(), wanted, known=_graded_before(out))
+        given = read_sheet(sheet, wanted[0] if len(wanted) == 1 else "") if sheet else None
+        roster = _roster(out)
+        if given:
+            roster = roster.with_sheet(given.rows)[0]
+        found = gather(path, scratch, course.names(), wanted, known=roster)
         waiting = of_lessons(found, wanted)
-        if not waiting and not found.unknown:
+        if not waiting and not found.unknown and not found.asked:
             raise ValueError(
                 f"{path} contains no submissions. Give a folder of STUDENT/01_hsl_filtering.ipynb"
             )
-        _refuse_what_is_not_built(course, sorted({each.lesson for each in waiting}))
-        with Journal(out, policy=course.late_policy) as journal:
-            journal.began(path)
-            waiting = add_earlier(waiting, course, journal, scratch)
-            if found.wrapper:
-                waiting, found = _without_replacements(waiting, found, journal)
-            summary = run(console, journal, out, waiting, machines)
-            _show(console, journal, summary, {each.lesson for each in waiting}, found)
-            _list_not_graded(console, (*summary.failed, *found.not_graded), out / NOT_GRADED)
-    if summary.failed or found.not_graded or journal.problems:
+        names = sorted({each.lesson for each in waiting})
+        if given and given.times and len(names) > 1:
+            raise ValueError(
+                f"the times in {sheet} are of one lesson: name it with --lesson ({', '.join(names)})"
+            )
+        waiting = submission_times.with_sheet(waiting, given, roster)
+        if dry_run:
+            _show_found(console, found, submission_times.in_words(waiting))
+            _list(console, [("WHO IS THIS? (not graded)", found.asked), ("NOT GRADED", found.not_graded)])
+            console.print("Nothing was graded or written.")
+        else:
+            _refuse_what_is_not_built(course, names)
+            with Journal(out, policy=course.late_policy) as journal:
+                journal.began(path)
+                if given:
+                    for line in student_commands.learn(journal, out, given):
+                        console.print(line, markup=False, highlight=False, soft_wrap=True)
+                waiting = add_earlier(waiting, course, journal, scratch)
+                if found.wrapper:
+                    waiting, found = _without_replacements(waiting, found, journal)
+                graded = {each.student for each in waiting}
+                journal.know(each for each in found.learned if each.student in graded)
+                summary = run(console, journal, out, waiting, machines)
+                _show_found(console, found, submission_times.in_words(waiting))
+                _show(console, journal, summary, names, found)
+                not_graded = (*summary.failed, *found.asked, *found.not_graded)
+                _list_not_graded(console, not_graded, out / NOT_GRADED)
+            if summary.failed or journal.problems:
+                raise typer.Exit(1)
+    if found.not_graded or found.asked:
         raise typer.Exit(1)
 
 
@@ -95,23 +133,20 @@ def _without_replacements(
 
 def _replacing(journal: Journal) -> Callable[[Submission], bool]:
     """Return a function that says whether a submission would replace the result of another notebook."""
-    results = {
-        (each.student.casefold(), each.lesson): (each.student, each.submission)
-        for each in journal.each_result()
-    }
+    results = {(each.student, each.lesson): each.submission for each in journal.each_result()}
 
     def replaces(submission: Submission) -> bool:
-        before = results.get((submission.student.casefold(), submission.lesson))
-        return before is not None and before != (submission.student, submission_hash(submission))
+        before = results.get((submission.student, submission.lesson))
+        return before is not None and before != submission_hash(submission)
 
     return replaces
 
 
-def _graded_before(out: Path) -> set[str]:
-    """Return the students who have a result in a folder of grades."""
+def _roster(out: Path) -> Roster:
+    """Return the students whom a folder of grades knows."""
     with suppress(JournalError), Journal(out, make=False) as journal:
-        return journal.students()
-    return set()
+        return journal.roster()
+    return Roster()
 
 
 def _refuse_what_is_not_built(course: Course, names: Sequence[str]) -> None:
@@ -139,7 +174,7 @@ def handed_in_before(
 ) -> dict[tuple[str, str], Submission]:
     """Return the newest submissions in the folders of all runs by student and lesson; missing folders have none."""
     found: dict[tuple[str, str], Submission] = {}
-    known = journal.students()
+    known = journal.roster()
     for number, place in enumerate(journal.places()):
         folder = scratch / f"earlier-{number}"
         with suppress(ValueError, OSError):
@@ -156,6 +191,7 @@ def run(
 ) -> Summary:
     """Grade submissions with a progress bar; Ctrl-C ends it, and what is graded is kept."""
     lessons = sorted({each.lesson for each in waiting})
+    waiting = submission_times.as_before(waiting, journal)
 
     def say(line: str) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
@@ -165,10 +201,13 @@ def run(
         _progress(console, len(waiting)) as done,
     ):
         try:
-            return session.grade(waiting, journal, out / FEEDBACK, done)
+            summary = session.grade(waiting, journal, out / FEEDBACK, done)
         except KeyboardInterrupt:
             console.print("Stopped. What is graded is kept; the same command goes on with the rest.")
             raise typer.Exit(130) from None
+    # Of a submission that was graded before, only the time may be new.
+    write_pages(journal, out, results_of(journal, submission_times.record(waiting, journal)))
+    return summary
 
 
 @contextmanager
@@ -179,47 +218,68 @@ def _progress(console: Console, total: int) -> Iterator[Callable[[Submission], N
         yield lambda submission: progress.advance(task)
 
 
-def _show(
-    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered
-) -> None:
-    """Print the result of a run, with a line for each refused submission."""
-    around = (
-        [f"The folder {found.wrapper} is around all submissions and was not taken for a student's."]
-        if found.wrapper
-        else []
-    )
-    for line in (*_versions(summary.written), *around, *found.recognised):
+def _show_found(console: Console, found: Gathered, times: str) -> None:
+    """Print what was recognised in a download, and who is who in it."""
+    around = f"The folder {found.wrapper} is around all submissions and was not taken for a student's."
+    for line in (*([around] if found.wrapper else ()), *found.recognised, times):
         console.print(line, markup=False, highlight=False, soft_wrap=True)
-    table = Table("", "submissions")
-    table.add_row("graded", str(summary.graded))
-    table.add_row("refused", str(len(summary.refused)))
-    table.add_row("unchanged", str(summary.unchanged))
-    changed = []
-    for lesson in sorted(lessons):
-        about = summarise(journal, lesson)
-        table.add_row(f"{lesson}, mean so far", _mean(about))
-        changed += list(_changed(lesson, about))
-    console.print(table)
-    not_graded = (*summary.failed, *found.not_graded)
-    reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
-    for title, lines in (
-        ("Refused", reasons),
-        ("NEEDS A DECISION (look at the answer, then nao-course regrade --set)", summary.undecided),
-        ("An older notebook or result counts", (*found.older, *summary.kept)),
-        ("Left out", found.unknown[len(found.not_graded) :]),
-        ("Too slow, or not run", summary.too_slow),
-        ("Seen by the sandbox", summary.attempts),
-        ("Decisions on earlier answers", changed),
-        ("FAILED for one student", journal.problems),
-        ("NOT GRADED", not_graded),
-    ):
+    new = "New students (if one is known under another name: nao-course students GRADES --same NAME STUDENT)"
+    _list(
+        console,
+        [
+            ("The same student by name", found.by_name),
+            (new, found.new),
+            ("An older notebook counts", found.older),
+            ("Left out", found.unknown[len(found.not_graded) :]),
+        ],
+    )
+
+
+def _list(console: Console, titled: Iterable[tuple[str, Sequence[str]]]) -> None:
+    """Print lists that are not empty, each with its title, and only the first lines of long ones."""
+    for title, lines in titled:
         if lines:
-            console.print(title + ":")
+            console.print(title + ":", markup=False, highlight=False, soft_wrap=True)
             most = len(lines) if title == "Refused" else _SHOWN
             for line in lines[:most]:
                 console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)
             if len(lines) > most:
                 console.print(f"  and {len(lines) - most} more")
+
+
+def _show(
+    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered
+) -> None:
+    """Print the result of a run, with a line for each refused submission."""
+    for line in _versions(summary.written):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+    table = Table("", "submissions")
+    table.add_row("graded", str(summary.graded))
+    table.add_row("refused", str(len(summary.refused)))
+    table.add_row("unchanged", str(summary.unchanged))
+    changed, untimed = list[str](), list[str]()
+    for lesson in sorted(lessons):
+        about = summarise(journal, lesson)
+        table.add_row(f"{lesson}, mean so far", _mean(about))
+        changed += list(_changed(lesson, about))
+        untimed += list(submission_times.without_time(journal, lesson))
+    console.print(table)
+    reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
+    _list(
+        console,
+        [
+            ("Refused", reasons),
+            ("NEEDS A DECISION (look at the answer, then nao-course regrade --set)", summary.undecided),
+            ("An older result counts", summary.kept),
+            ("Too slow, or not run", summary.too_slow),
+            ("Seen by the sandbox", summary.attempts),
+            ("Decisions on earlier answers", changed),
+            ("NO TIME, so nothing is late", untimed),
+            ("FAILED for one student", journal.problems),
+            ("WHO IS THIS? (not graded)", found.asked),
+            ("NOT GRADED", (*summary.failed, *found.not_graded)),
+        ],
+    )
 
 
 def _versions(written: Counter[tuple[str, str]]) -> Iterator[str]:
@@ -295,13 +355,13 @@ def regrade_student(
             )
             return
         _refuse_what_is_not_built(course := load_course(), course.names([result.lesson]))
-        journal.want_again(student, result.lesson)
+        journal.want_again(result.student, result.lesson)
         places = [each for each in journal.places() if each.exists()]
         if not places:
             console.print("It is graded again by the next `nao-course grade`.")
             return
         with scratch_folder() as scratch:
-            mine = _handed_in(places, scratch, result, journal.students())
+            mine = _handed_in(places, scratch, result, journal.roster())
             if not mine:
                 where = ", ".join(map(str, places))
                 raise ValueError(f"{where}: no {result.lesson} of {student!r} is there any more")
@@ -310,15 +370,6 @@ def regrade_student(
             _show(console, journal, summary, [result.lesson], Gathered((), ()))
     if summary.failed or journal.problems:
         raise typer.Exit(1)
-
-
-def write_pages(journal: Journal, grades: Path, results: Iterable[SubmissionResult]) -> list[Path]:
-    """Write feedback pages; a page that fails is among the journal's problems."""
-    write, pages = feedback_writer(journal, grades / FEEDBACK), []
-    for result in results:
-        with journal.for_one(result.student, result.lesson, "the feedback page was not written"):
-            pages.append(write(result))
-    return pages
 
 
 def list_problems(journal: Journal) -> Iterator[str]:
@@ -330,7 +381,7 @@ def list_problems(journal: Journal) -> Iterator[str]:
 
 
 def _handed_in(
-    places: Iterable[Path], scratch: Path, result: SubmissionResult, known: Collection[str]
+    places: Iterable[Path], scratch: Path, result: SubmissionResult, known: Roster
 ) -> list[Submission]:
     """Find a submission again where one of the runs had it."""
     for number, place in enumerate(places):
@@ -345,6 +396,7 @@ def _handed_in(
 
 def _result_of(journal: Journal, student: str, lesson: str) -> SubmissionResult:
     """Return the only result that matches."""
+    student = journal.roster().meant(student) or student
     results = list(journal.each_result(student=student))
     if not results:
         names = {each.student for each in journal.each_result()}
@@ -420,7 +472,8 @@ def _platform(
         raise exports.ExportError(f"{platform}'s own sheet is filled in: say --sheet THEIRS.csv")
     name = _lesson(journal, lesson) or _only_lesson(journal)
     made = all_scores(journal, name)
-    filled = platforms.fill_sheet(platform, sheet, made, column, scale=scale)
+    roster = journal.roster()
+    filled = platforms.fill_sheet(platform, sheet, made, column, roster=roster, scale=scale)
     folder = grades / exports.FOLDER
     path = write_whole(folder / f"{platform}_{name}.csv", filled.table)
     yield f"wrote {path}: {say_count(filled.filled, 'row')} filled in"
@@ -428,7 +481,7 @@ def _platform(
     for each in made:
         with journal.for_one(each.result.student, name, "the feedback page is not in the zip"):
             pages.append((each.result, feedback_page(each).encode()))
-    archive, without = platforms.feedback_zip(platform, pages)
+    archive, without = platforms.feedback_zip(platform, pages, roster)
     path = write_whole(folder / f"{platform}_feedback_{name}.zip", archive)
     yield f"wrote {path}: for {platforms.UPLOADS[platform]}"
     for said, who in (
@@ -489,7 +542,10 @@ def marks(
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if file is None:
-            copies = read_worlds(worlds) if worlds else {}
+            meant = journal.roster().meant
+            copies = (
+                {meant(name) or name: world for name, world in read_worlds(worlds).items()} if worlds else {}
+            )
             if worlds:
                 yield from without_result(worlds.name, copies, journal)
             yield from _sheets(journal, grades, anonymous, copies)

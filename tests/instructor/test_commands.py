@@ -219,9 +219,10 @@ def test_a_wrapper_is_named_and_replaces_no_result(course, warm, tmp_path):
     assert run("regrade", grades, "--student", "ada").exit_code == 0
     assert kept(grades)["ada", chain.LESSON] == before["ada", chain.LESSON]
     for student in ("ADA", "cleo"):
-        chain.hand_in(tmp_path / "third" / "Eve", student, chain.notebook())
+        chain.hand_in(tmp_path / "third" / "Eve", student, chain.notebook(chain.BLANK))
     said = run("grade", tmp_path / "third", "--out", grades)
-    assert "ADA, 90_chain: there is a result already" in said.output
+    assert "ADA is ada: the only student of this name" in said.output
+    assert "ada, 90_chain: there is a result already" in said.output
     assert {student for student, _ in kept(grades)} == {"ada", "ben", "cleo"}
 
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from nao_course._internal.text_encodings import NotTextError, decode_text
 from nao_course.exercises.lesson_names import found_in, lesson_of, with_plain_signs
 from nao_course.instructor.collecting.archives import Item, Refused
-from nao_course.instructor.collecting.marks import read_marks, without_weak_marks
-from nao_course.instructor.collecting.names import clean_name
+from nao_course.instructor.collecting.marks import read_marks, read_time, without_weak_marks
+from nao_course.instructor.collecting.roster import Person, Roster, first_name_first, is_nameless
 
 _RECEIPT = re.compile(r"submission-\d{8}-\d{6}", re.IGNORECASE)  # a zip of `nao-course submit`
 _REQUEST = re.compile(r"regrade[ _-]?requests?[^/]*\.(?:txt|md)", re.IGNORECASE)
@@ -128,8 +128,9 @@ class HandedIn:
 
     `number` is the platform's number or login of the person, and often empty; `written` is the student as the path
     writes it, with dates and titles. Of two files of one student and lesson the one with the larger `order` counts:
-    attempt, then time, by the platform. If `is_certain`, only a platform names files so. `problem` says why nobody can
-    say whose file it is, and what to do.
+    attempt, then time, by the platform. `time` is when it was handed in, by the platform, with the offset from UTC if
+    the platform names it, and often empty. If `is_certain`, only a platform names files so. `problem` says why nobody
+    can say whose file it is, and what to do; `is_asked` means that it is a question who the student is.
     """
 
     student: str
@@ -141,6 +142,8 @@ class HandedIn:
     late: bool = False
     is_certain: bool = False
     problem: str = ""
+    time: str = ""
+    is_asked: bool = False
 
 
 def handed_in(parts: Sequence[str], lessons: Sequence[str]) -> HandedIn | None:
@@ -199,6 +202,16 @@ def is_request(file: str) -> bool:
     return bool(_REQUEST.fullmatch(file))
 
 
+def moodle_name(path: str) -> str:
+    """Return the name and number that Moodle gave to the student of a file; empty if it is not one of Moodle's.
+
+    >>> moodle_name("Ada Lovelace_1234567_assignsubmission_file_/01_hsl_filtering.ipynb")
+    'Ada Lovelace_1234567'
+    """
+    found = re.match(rf"(?![^/]*_\d++_assignsubmission_[^/]*_\d++_assignsubmission_){_MOODLE}", path)
+    return found["student"] if found else ""
+
+
 def canvas_name(path: str) -> str:
     """Return the name that Canvas gave to a file that was handed in, without its suffix; empty if it is not one.
 
@@ -228,7 +241,7 @@ def _by_layout(layout: Layout, found: re.Match[str]) -> HandedIn:
     student = written
     file = given["file"].rpartition("/")[2]
     attempt, time = int(given.get("attempt") or 0), 0.0
-    problem = ""
+    problem, moment = "", ""
     if layout.platform == "Canvas":
         student = written if written.startswith("anon_") else f"{written}_{number}"
         stem, dot, suffix = file.rpartition(".")
@@ -236,9 +249,8 @@ def _by_layout(layout: Layout, found: re.Match[str]) -> HandedIn:
         attempt, time = int(again[1]) if again else 0, float(given["time"][:18])
         file = _CANVAS_AGAIN.sub("", stem) + dot + suffix
     elif given.get("time"):
-        marks = read_marks(
-            given["time"].replace("_", ":", 3) if layout.platform == "nbgrader" else given["time"]
-        )
+        stated = given["time"].replace("_", ":", 3) if layout.platform == "nbgrader" else given["time"]
+        marks, moment = read_marks(stated), read_time(stated)
         time = marks.time
         if not marks.is_clear or not marks.time:
             problem = f"the time {given['time']!r} cannot be read; {_FOLDER_NAME}"
@@ -247,7 +259,9 @@ def _by_layout(layout: Layout, found: re.Match[str]) -> HandedIn:
     if layout.platform == "Gradescope":
         problem = f"submission_metadata.yml, which names Gradescope's students, does not name this one; {_FOLDER_NAME}"
     order, late = (attempt, time), bool(given.get("late"))
-    return HandedIn(student, file, layout.platform, number, written, order, late, layout.is_certain, problem)
+    return HandedIn(
+        student, file, layout.platform, number, written, order, late, layout.is_certain, problem, moment
+    )
 
 
 def _is_canvass(file: str, path: str, lessons: Sequence[str]) -> bool:
@@ -297,55 +311,76 @@ def _named(whole: str, file: str, name: str, order: tuple[int, float], is_clear:
 class Students:
     """The students of the files of one download, given without the folders around the students.
 
-    `known` are students of earlier runs, who keep their names. `platforms` are the platforms whose folder was around a
-    student's folder, by the student's folder.
+    `roster` has the students of earlier runs and of sheets; without one, students are named as in the download.
+    `platforms` are the platforms whose folder was around a student's folder, by the student's folder. `recognised` says
+    which students the people of the download are.
     """
 
     def __init__(
         self,
         items: Iterable[Item],
         lessons: Sequence[str],
-        known: Collection[str] = (),
+        roster: Roster | None = None,
         platforms: Mapping[str, str] | None = None,
     ) -> None:
         self.lessons, self.platforms = lessons, platforms or {}
-        self.known = {clean_name(each).casefold() for each in known}
+        self._roster = roster or Roster()
         self._items = list(items)
         files = [(item.parts, made) for item in self._items if (made := handed_in(item.parts, lessons))]
         heads = {made.written for _, made in files if made.platform == "Blackboard"}
         self._blackboard = {head: self._blackboards_user(head) for head in heads}
         self._gradescope = _gradescopes_people(self._items)
-        self._moodle = _same_participants(
-            (made.student for _, made in files if made.platform == "Moodle"), {*map(clean_name, known)}
-        )
+        self._moodle = _same_participants(made.student for _, made in files if made.platform == "Moodle")
         self._numbers = _grouped((made.student, made.number) for _, made in files if made.number)
         people = {made.student for _, made in files if not made.is_certain}
         self._unnumbered = {_without_weak_marks(each) for each in people}
         self._alike = _grouped((self._base(each), each.casefold()) for each in people)
-        # A student whom an earlier version named by a whole folder, with its date, keeps that name.
-        self._before = _grouped(
-            (made.student, parts[0]) for parts, made in files if made.is_certain and self.is_known(parts[0])
-        )
+        self._times = {
+            item.parts[:-1]: read_time(_text_of(item))
+            for item in self._items
+            if item.parts[-1] == "timestamp.txt" and added_for(item.parts)
+        }
+        self.recognised = self._roster.recognise(self._people()) if roster is not None else None
 
     def is_known(self, name: str) -> bool:
-        """Return whether a student of an earlier run has this name."""
-        return clean_name(name).casefold() in self.known
+        """Return whether a student of an earlier run or a sheet has this name."""
+        return self._roster.is_known(name)
 
     def of(self, parts: Sequence[str]) -> HandedIn | None:
         """Return whose file it is; None if its path names no student."""
+        made = self._in_download(parts)
+        if made is None or made.problem or self.recognised is None:
+            return made
+        if question := self.recognised.asked.get(made.student):
+            return replace(made, problem=question, is_asked=True)
+        return replace(made, student=self.recognised.students.get(made.student, made.student))
+
+    def _people(self) -> list[Person]:
+        """Return the people of the download."""
+        found = dict[str, Person]()
+        lessons: dict[str, set[str]] = defaultdict(set)
+        for item in self._items:
+            made = self._in_download(item.parts)
+            if made and not made.problem:
+                found.setdefault(made.student, _person(made))
+                lessons[made.student] |= {lesson for lesson, _, _ in found_in(made.file, self.lessons)}
+        return [replace(each, lessons=frozenset(lessons[name])) for name, each in found.items()]
+
+    def _in_download(self, parts: Sequence[str]) -> HandedIn | None:
+        """Return whose file it is, by the name that a student has in the download."""
         made = handed_in(parts, self.lessons)
-        if len(parts) > 1 and self.is_known(parts[0]):
-            inner = made.order if made else (0, 0.0)
-            made = HandedIn(parts[0], parts[-1], written=parts[0], order=inner)
+        if len(parts) > 1 and not (made and made.is_certain) and self.is_known(parts[0]):
+            named = made or HandedIn(parts[0], parts[-1])
+            made = replace(named, student=parts[0], file=parts[-1], written=parts[0], problem="")
         if made is None:
             return None
         if made.platform == PLAIN:
             made = replace(made, platform=self.platforms.get(parts[0], PLAIN))
-        student, problem = made.student, made.problem
+        student, problem, time = made.student, made.problem, made.time
         match made.platform:
             case "Gradescope" if parts[0] in self._gradescope:
-                student, time, problem = self._gradescope[parts[0]]
-                made = replace(made, order=(0, time))
+                student, order, time, problem = self._gradescope[parts[0]]
+                made = replace(made, order=(0, order))
             case "Blackboard":
                 student = self._blackboard.get(made.written, "")
                 if not student:
@@ -356,10 +391,8 @@ class Students:
                 student = self._moodle.get(student, student)
             case "Brightspace" if len(self._numbers[student]) > 1:
                 problem = f"there are several students {student!r} with different numbers; {_FOLDER_NAME}"
-        if len(before := self._before[student]) == 1:
-            (student,) = before
-        if made.written and self.is_known(made.written):
-            student, problem = made.written, ""
+            case "Sakai" | "nbgrader":
+                time = time or self._times.get(tuple(parts[: 1 if made.platform == "Sakai" else 2]), "")
         alike = set() if made.is_certain or self.is_known(student) else self._alike[self._base(student)]
         if len(alike) > 1 and not problem:
             names = ", ".join(sorted(alike)[:3])
@@ -367,7 +400,7 @@ class Students:
                 f"these names may be attempts of one student: {names}. If so, {_FOLDER_NAME}; if they are several "
                 "students, rename them, such as 'jan_2' to 'jan b'"
             )
-        return replace(made, student=student or made.written, problem=problem)
+        return replace(made, student=student or made.written, problem=problem, time=time)
 
     def _base(self, student: str) -> str:
         """Return a name without what may mark a copy; a number at its end only if there is the name without it."""
@@ -412,23 +445,60 @@ def _grouped(pairs: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
     return groups
 
 
-def _same_participants(students: Iterable[str], known: Collection[str]) -> dict[str, str]:
+def person_in(path: str, lesson: str) -> Person | None:
+    """Return the person whom a platform names in the path of a file of a lesson; None if no platform does.
+
+    >>> person_in("Group A-Ada_12_assignsubmission_file_/01_hsl_filtering.ipynb", "01_hsl_filtering").alias
+    'moodle 12'
+    """
+    made = handed_in(path.split("/"), [lesson])
+    if made is None or made.problem or made.platform == PLAIN:
+        return None
+    if made.platform == "Moodle":
+        made = replace(made, student=_GROUP.sub("", made.student, count=1))
+    return replace(_person(made), lessons=frozenset([lesson]))
+
+
+def _person(made: HandedIn) -> Person:
+    """Return what a platform's name of a student says about the person."""
+    student, number = made.student, made.number
+    match made.platform:
+        case "Moodle":
+            return Person(student, made.platform, number, student.rpartition("_")[0])
+        case "Canvas":
+            return Person(
+                student, made.platform, number, "" if is_nameless(student) else student.rpartition("_")[0]
+            )
+        case "Brightspace":
+            return Person(student, made.platform, number, student)
+        case "ILIAS":
+            last, first, login, _ = student.split("_")
+            return Person(student, made.platform, number, f"{first} {last}", login)
+        case "Sakai":
+            return Person(student, made.platform, "", first_name_first(student.rpartition("(")[0]), number)
+        case "Gradescope":
+            name, _, mail = student.rpartition(" (")
+            return Person(
+                student, made.platform, "", name or student, email=mail.removesuffix(")") if name else ""
+            )
+        case "Blackboard" | "nbgrader" | "GitHub Classroom":
+            return Person(student, made.platform, login=student)
+    return Person(student, made.platform, name=student)
+
+
+def _same_participants(students: Iterable[str]) -> dict[str, str]:
     """Return one name for all names of a Moodle participant: with a group's name before it, and without it."""
-    groups = _grouped((each.rpartition("_")[2], each) for each in (*students, *known))
     names = {}
-    for same in groups.values():
+    for same in _grouped((each.rpartition("_")[2], each) for each in students).values():
         for each in same:
             alike = [it for it in same if it == each or it.endswith(f"-{each}") or each.endswith(f"-{it}")]
-            before = [it for it in alike if it in known]
-            names[each] = min(
-                before or [_GROUP.sub("", it, count=1) for it in alike], key=lambda it: (len(it), it)
-            )
+            names[each] = min((_GROUP.sub("", it, count=1) for it in alike), key=lambda it: (len(it), it))
     return names
 
 
-def _gradescopes_people(items: Iterable[Item]) -> dict[str, tuple[str, float, str]]:
-    """Return name, time and problem of each folder of Gradescope's export, from its file of metadata."""
-    people: dict[str, tuple[str, float, str]] = {}
+def _gradescopes_people(items: Iterable[Item]) -> dict[str, tuple[str, float, str, str]]:
+    """Return name, order, time and problem of each folder of Gradescope's export, from its file of metadata."""
+    people: dict[str, tuple[str, float, str, str]] = {}
     for item in items:
         if item.parts == _METADATA:
             for folder, block in _blocks(_text_of(item)):
@@ -436,14 +506,15 @@ def _gradescopes_people(items: Iterable[Item]) -> dict[str, tuple[str, float, st
                 names = [_unquoted(each) for each in re.findall(r"(?m)^ *- *:?name: *(.*)$", head)]
                 mails = [_unquoted(each) for each in re.findall(r"(?m)^ *:?email: *(.*)$", head)]
                 made = re.search(r"(?m)^  :?created_at: *(.*)$", block)
-                time = read_marks(_unquoted(made[1])).time if made else 0.0
+                stated = _unquoted(made[1]) if made else ""
                 name = f"{names[0]} ({mails[0]})" if names and mails else "".join(names[:1])
                 several = (
                     f"several students handed it in ({', '.join(names)}); put a copy into a folder of each"
                 )
                 people[folder] = (
                     name,
-                    time,
+                    read_marks(stated).time,
+                    read_time(stated),
                     several if len(names) > 1 else "" if name else "it names nobody",
                 )
     return people

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from calendar import timegm
 from dataclasses import dataclass
+from datetime import UTC, datetime, tzinfo
+from zoneinfo import ZoneInfo
 
 _MONTHS = {  # the beginnings of months in the languages of platforms, by number
     name: number
@@ -55,6 +57,8 @@ _WEAK = re.compile(
     rf"|late|final|new|old){_ENDS}|\(\d++\)",
     re.IGNORECASE,
 )
+_ZONE = re.compile(r"(?:UTC|GMT|Z|(?P<offset>[+-]\d\d:?\d\d)|(?P<region>[A-Z]\w+(?:/[\w+-]+)+))$")
+_SAKAIS = re.compile(r"20\d{15}")  # an older Sakai's timestamp.txt, in UTC and with milliseconds
 _EDGES = " _-,;.()[]"
 
 
@@ -108,6 +112,32 @@ def read_marks(text: str) -> Marks:
     pieces = [piece.strip(_EDGES) for piece in rest.split("\0")]
     clear &= len(times) < 2 and len(attempts) < 2
     return Marks(" ".join(filter(None, pieces)), max(attempts, default=0), max(times, default=0.0), clear)
+
+
+def read_time(text: str) -> str:
+    """Return the date and time in a platform's text, with the offset from UTC if the text has one; or an empty string.
+
+    >>> read_time("Friday, 20 November 2026, 9:32 PM"), read_time("2026-11-20 21:45:00.25 UTC")
+    ('2026-11-20 21:32', '2026-11-20 21:45+00:00')
+    """
+    text = " ".join(text.replace(" de ", " ").split())
+    if _SAKAIS.fullmatch(text):
+        text = f"{text[:14]} UTC"
+    found = _DATE.search(text)
+    moment = _moment(found) if found and found["hour"] else None
+    if not moment:
+        return ""
+    zone: tzinfo | None = None
+    if stated := _ZONE.search(text):
+        try:
+            region = stated["region"]
+            zone = ZoneInfo(region) if region else UTC
+            if stated["offset"]:
+                zone = datetime.strptime(stated["offset"], "%z").tzinfo
+        except (ValueError, LookupError, OSError):
+            zone = None
+    local = datetime.fromtimestamp(moment, UTC).replace(tzinfo=zone)
+    return local.isoformat(" ", "minutes")
 
 
 def without_weak_marks(name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from nao_course.exercises.lesson_names import number_of
 from nao_course.instructor.collecting.archives import LARGEST_ZIP, Item, Refused, in_zip
 from nao_course.instructor.collecting.layouts import HandedIn, is_request
 from nao_course.instructor.collecting.names import clean_name
+from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.collecting.submissions import open_download
 
 LARGEST = 20_000  # bytes of a file
@@ -38,9 +39,9 @@ class AskedAbout(NamedTuple):
 
 
 def request_files(
-    path: Path, scratch: Path, lessons: Sequence[str], known: Collection[str]
+    path: Path, scratch: Path, lessons: Sequence[str], known: Roster | None = None
 ) -> tuple[dict[str, str], list[tuple[str, str]]]:
-    """Find the request files in a folder or zip of submissions; `known` are the students who have a result.
+    """Find the request files in a folder or zip of submissions; `known` are the students of the class.
 
     Return the text of the newest file by student, and the student, or an empty string, with the reason for each file
     that cannot be read. `scratch` is a folder of the caller's. Raise a ValueError if the path is neither a folder nor a

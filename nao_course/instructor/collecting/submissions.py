@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from operator import itemgetter
@@ -29,6 +29,7 @@ from nao_course.instructor.collecting.choosing import NOT_INSPECTED, inspect_not
 from nao_course.instructor.collecting.layouts import HandedIn, Students, added_for, is_request
 from nao_course.instructor.collecting.marks import without_weak_marks
 from nao_course.instructor.collecting.names import clean_name
+from nao_course.instructor.collecting.roster import Recognised, Roster, Student
 from nao_course.instructor.collecting.wrappers import (
     Unwrapped,
     reason_for,
@@ -37,6 +38,9 @@ from nao_course.instructor.collecting.wrappers import (
     unwrap,
 )
 
+# Who says when a submission was made, the most trusted first: a platform's sheet, its names and files, or the receipt
+# of `nao-course submit`, which has the time of the student's own clock.
+TRUST = ("sheet", "platform", "receipt")
 _MOST_NOTES = 20
 _MOST_INSPECTED = 8  # notebooks of one student and lesson, the newest ones
 _BEYOND = Inspection("", -1)  # of the others
@@ -53,9 +57,9 @@ class Submission:
 
     `helpers` are Python files that were handed in beside it, by the name they are imported by; `notes`, for the
     assistant, are about other files that do not count; `file` is its name as it was handed in. `earlier` are the same
-    student's submissions of earlier lessons whose functions this one uses. `handed_in` is when a zip of
-    `nao-course submit` was packed, in UTC and by the student's clock, and empty for other files; `versions`, of Python
-    and libraries, are in its receipt; `late` is what the platform says.
+    student's submissions of earlier lessons whose functions this one uses. `handed_in` is when it was handed in, and
+    `timed_by` who says so, one of `TRUST`; both are empty if nobody does. `late` is what the platform says, and
+    `versions`, of Python and libraries, are in the receipt of `nao-course submit`.
     """
 
     student: str
@@ -67,6 +71,7 @@ class Submission:
     file: str = ""
     earlier: tuple[Submission, ...] = ()
     handed_in: str = ""
+    timed_by: str = ""
     late: bool = False
     versions: Mapping[str, str] = field(default_factory=dict)
 
@@ -79,6 +84,8 @@ class Gathered:
     that may be a student's work, and students of whom there is no notebook of a wanted lesson. `wrapper` is a folder
     that was around everything and may be a student's; it is often empty. `recognised` has a line for each platform
     whose names were recognised, and `older` for each student whose newest notebook does not count, with the reason.
+    `asked` has a question for each person who may be several students, `by_name` a line for each who was recognised by
+    the name alone, `new` the students of no earlier run, and `learned` what the download says of the students.
     """
 
     submissions: tuple[Submission, ...]
@@ -88,6 +95,10 @@ class Gathered:
     wrapper: str = ""
     recognised: tuple[str, ...] = ()
     older: tuple[str, ...] = ()
+    asked: tuple[str, ...] = ()
+    by_name: tuple[str, ...] = ()
+    new: tuple[str, ...] = ()
+    learned: tuple[Student, ...] = ()
 
 
 def with_earlier(
@@ -118,14 +129,15 @@ def gather(
     wanted: Sequence[str] | None = None,
     *,
     one_student: bool = False,
-    known: Collection[str] = (),
+    known: Roster | None = None,
 ) -> Gathered:
     """Find all submissions. If a student has several of a lesson, use the newest one in which something is answered.
 
     What counts is unpacked to `scratch`, an empty folder of the caller's; nothing is written elsewhere. If a single
     lesson is `wanted`, a zip that cannot be opened counts as a submission of it. With `one_student`, the one folder in
-    it is a student's, whatever is in that; so is a folder named after a student of an earlier run, in `known`. Raise a
-    ValueError if the path does not exist, or is neither a folder nor a zip.
+    it is a student's, whatever is in that; so is a folder named after a student in `known`, the students of earlier
+    runs and of sheets. Without `known`, students are named as in the download. Raise a ValueError if the path does not
+    exist, or is neither a folder nor a zip.
     """
     unwrapped, students = open_download(path, lessons, known, one_student=one_student)
     search = _Search(scratch, tuple(lessons), tuple(lessons if wanted is None else wanted), students)
@@ -136,7 +148,7 @@ def gather(
 
 
 def open_download(
-    path: Path, lessons: Sequence[str], known: Collection[str] = (), *, one_student: bool = False
+    path: Path, lessons: Sequence[str], known: Roster | None = None, *, one_student: bool = False
 ) -> tuple[Unwrapped, Students]:
     """List the files of a download, and find out whose they are.
 
@@ -152,9 +164,9 @@ def open_download(
     else:
         raise ValueError(f"{path} does not exist. Give a folder of submissions or a zip of them")
     if one_student:
-        known = {clean_name(item.parts[0]) for item in items}
+        known = Roster.of(clean_name(item.parts[0]) for item in items)
     root = path.resolve().name
-    unwrapped = unwrap(items, lessons, known, root.removesuffix(".zip"))
+    unwrapped = unwrap(items, lessons, (known or Roster()).is_known, root.removesuffix(".zip"))
     return unwrapped, Students(unwrapped.items, lessons, known, unwrapped.platforms)
 
 
@@ -223,6 +235,7 @@ class _Search:
         self.unknown: list[str] = []
         self.lost: list[str] = []  # files that may be a student's work
         self.older: list[str] = []
+        self.asked: dict[str, None] = {}
         self.owner = ""  # the student whose file is being looked at; empty for a file that names none
         self.owners: dict[str, bool] = {"": True}  # whether there is something of theirs that may be work
         self.named: set[str] = set()  # students with a line in `lost`
@@ -255,6 +268,9 @@ class _Search:
             return
         shown = clean_name("/".join(item.parts))
         name = self.students.of(item.parts)
+        if name and name.is_asked:
+            self.asked[name.problem] = None
+            return
         if name and name.problem:
             if not item.ignored and added_for(item.parts) is None:
                 self.leave_out(shown, name.problem, is_lost=True)
@@ -418,6 +434,8 @@ class _Search:
             if not has_work
         ]
         lost = _each_student_first([*self.lost, *empty])
+        recognised = self.students.recognised or Recognised({}, {})
+        with_work = {student for student, _ in self.candidates}
         return Gathered(
             tuple(each for each in chosen if not each.reason),
             tuple(each for each in chosen if each.reason),
@@ -425,6 +443,10 @@ class _Search:
             lost,
             recognised=tuple(self.recognised()),
             older=tuple(self.older),
+            asked=tuple(self.asked),
+            by_name=recognised.by_name,
+            new=tuple(each for each in recognised.new if each in with_work),
+            learned=tuple(said for student, said in recognised.learned.items() if student in with_work),
         )
 
     def recognised(self) -> Iterator[str]:
@@ -509,15 +531,18 @@ class _Search:
         if not best.is_named:
             why = "its name begins with that lesson's" if best.more else "its metadata name that lesson"
             notes.insert(0, f"{best.shown} counts as {lesson}, because {why}")
+        handed_in, timed_by = best.name.time, "platform" if best.name.time else ""
+        if receipt.packed and not handed_in:
+            handed_in = datetime.fromtimestamp(receipt.packed, UTC).isoformat(" ", "minutes")
+            timed_by = "receipt"
         made = Submission(
             student,
             lesson,
             best.item.source,
             file=best.shown,
             reason=best.item.problem,
-            handed_in=datetime.fromtimestamp(receipt.packed, UTC).isoformat(" ", "minutes")
-            if receipt.packed
-            else "",
+            handed_in=handed_in,
+            timed_by=timed_by,
             late=best.name.late,
             versions=receipt.versions,
         )

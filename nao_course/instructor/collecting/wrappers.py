@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import takewhile
 
@@ -48,23 +48,25 @@ class Unwrapped:
 
 
 def unwrap(
-    items: Iterable[Item], lessons: Sequence[str], known: Collection[str] = (), root: str = ""
+    items: Iterable[Item],
+    lessons: Sequence[str],
+    known: Callable[[str], bool] = lambda name: False,
+    root: str = "",
 ) -> Unwrapped:
     """Remove a folder around all students, and name folders that cannot belong to one student.
 
-    The folders of `known` students, of earlier runs, are their own, whatever they contain; `root` names the folder or
-    zip that holds the files.
+    `known` returns whether a student has a name: then the folder of this name is that student's, whatever it contains.
+    `root` names the folder or zip that holds the files.
     """
-    theirs = {clean_name(each).casefold() for each in known}
-    items, platforms = without_wrappers(items, lambda name: clean_name(name).casefold() in theirs, root)
-    if _are_lessons_around_students(items, lessons, theirs):
+    items, platforms = without_wrappers(items, known, root)
+    if _are_lessons_around_students(items, lessons, known):
         return unwrap([_without(item.parts[:1], item) for item in items], lessons, known)
     folders: dict[str, list[Item]] = defaultdict(list)
     for item in items:
         folders[item.parts[0]].append(item)
     refused, several = dict[str, str](), dict[str, list[str]]()
     for folder, inside in folders.items():
-        if is_a_platforms(folder) or clean_name(folder).casefold() in theirs:
+        if is_a_platforms(folder) or known(folder):
             continue
         paths = [each.parts[1:] for each in inside if not each.ignored and len(each.parts) > 1]
         if names := students_in(paths, lessons, folder):
@@ -87,13 +89,13 @@ def _is_about_a_lesson(folder: str, lessons: Sequence[str]) -> bool:
 
 
 def _are_lessons_around_students(
-    items: Sequence[Item], lessons: Sequence[str], theirs: Collection[str]
+    items: Sequence[Item], lessons: Sequence[str], known: Callable[[str], bool]
 ) -> bool:
     """Return whether all files lie in several folders of lessons, and in folders or files of students in these."""
     paths = [item.parts for item in items if not item.ignored and len(item.parts) > 1]
     return len({parts[0] for parts in paths}) > 1 and all(
         _is_about_a_lesson(parts[0], lessons)
-        and clean_name(parts[0]).casefold() not in theirs
+        and not known(parts[0])
         and (named := handed_in(parts[1:], lessons)) is not None
         and not _is_a_students_own(named.student, lessons)
         for parts in paths

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import json
 import sqlite3
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
+from nao_course.instructor.collecting.layouts import person_in
+from nao_course.instructor.collecting.roster import Roster, Student, is_nameless, said_of
 from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.gradebook.records import (
     Comment,
@@ -33,7 +36,7 @@ D = TypeVar("D", Override, Mark, Comment, Request)
 Given = TypeVar("Given", Override, Mark)
 
 NAME = "journal.sqlite"
-VERSION = 2
+VERSION = 3
 PATIENCE = 60.0  # seconds that one grader waits for another one's transaction
 _APPLICATION = 0x4E414F4A  # "NAOJ": distinguishes this file from other SQLite files
 _COLUMNS = "student, lesson, submission, assignment, status, level, seconds, versions, time, result"
@@ -52,7 +55,7 @@ CREATE TABLE marks (
 CREATE TABLE runs (submissions TEXT NOT NULL, time TEXT NOT NULL);
 PRAGMA application_id = {_APPLICATION};
 """
-_VERSION_2 = f"""
+_VERSION_2 = """
 CREATE TABLE IF NOT EXISTS comments (
     lesson TEXT NOT NULL, exercise TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL, time TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS requests (
@@ -63,8 +66,18 @@ ALTER TABLE overrides ADD COLUMN earned REAL NOT NULL DEFAULT 0;
 ALTER TABLE marks ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
 ALTER TABLE comments ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
 ALTER TABLE requests ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-PRAGMA user_version = {VERSION};
+PRAGMA user_version = 2;
 """
+# The students are in the journal, and not in a file beside it, so that one transaction changes who a person is and
+# whose the results are, and two graders that run at once agree on it.
+_VERSION_3 = """
+CREATE TABLE IF NOT EXISTS students (
+    student TEXT PRIMARY KEY, name TEXT NOT NULL, email TEXT NOT NULL, login TEXT NOT NULL, section TEXT NOT NULL,
+    listed INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS aliases (alias TEXT PRIMARY KEY, student TEXT NOT NULL, lesson TEXT NOT NULL);
+PRAGMA user_version = 3;
+"""
+_OF_STUDENTS = ("results", "history", "overrides", "marks", "requests", "aliases", "students")  # tables
 
 
 class JournalError(ValueError):
@@ -85,7 +98,6 @@ class Journal:
     """
 
     def __init__(self, path: Path, *, make: bool = True, policy: LatePolicy | None = None) -> None:
-        self.policy = policy
         self.problems: list[str] = []
         self.path = path if path.suffix == ".sqlite" else path / NAME
         if not make and not self.path.is_file():
@@ -99,6 +111,13 @@ class Journal:
         except BaseException:
             self._database.close()
             raise
+        self._policy = policy
+        self.policy = self._policy_by_student()
+
+    def _policy_by_student(self) -> LatePolicy | None:
+        """Return the late policy with its extensions by the students' names in the journal."""
+        extended = self._policy and self._policy.extensions
+        return self._policy.by_student(self.roster().meant) if self._policy and extended else self._policy
 
     def _prepare(self) -> None:
         """Create the tables in a new file; refuse SQLite files of other programs."""
@@ -110,6 +129,7 @@ class Journal:
                 if not self._all("SELECT name FROM sqlite_master"):
                     self._run(_SCHEMA)
                     self._run(_VERSION_2)
+                    self._run(_VERSION_3)
             application, version = self._pragma("application_id"), self._pragma("user_version")
         if application != _APPLICATION:
             raise JournalError(f"{self.path} is an SQLite file, but no journal of this course: move it away")
@@ -121,9 +141,12 @@ class Journal:
             self._database.execute("PRAGMA journal_mode = WAL")
         if version < VERSION:
             with self._writing():
-                if self._pragma("user_version") < VERSION:
+                if self._pragma("user_version") < 2:
                     self._run(_VERSION_2)
                     self._decide_on_present_answers()
+                if self._pragma("user_version") < 3:
+                    self._run(_VERSION_3)
+                    self._know_present_students()
 
     def _run(self, statements: str) -> None:
         for statement in statements.split(";"):
@@ -149,6 +172,16 @@ class Journal:
                     f"UPDATE marks SET decided_on = ? {of_key} AND question = ?",
                     (answer.fingerprint, *key, answer.name),
                 )
+
+    def _know_present_students(self) -> None:
+        """Record the numbers and names of the students of an older journal, which are in the names of their files."""
+        students: dict[str, Student] = {}
+        for result in self.each_result():
+            if person := person_in(result.file, result.lesson):
+                said = said_of(result.student, person)
+                before = students.get(result.student)
+                students[result.student] = before.joined(said) if before else said
+        self._write_students(students.values())
 
     def _pragma(self, name: str) -> int:
         return int(self._all(f"PRAGMA {name}")[0][0])
@@ -234,11 +267,13 @@ class Journal:
         self, lesson: str | None = None, student: str | None = None
     ) -> Iterator[SubmissionResult]:
         """Yield what counts, in the order of students and lessons, one at a time."""
-        keys = self._all("SELECT student, lesson FROM results ORDER BY student, lesson")
-        for key in keys:
-            if (lesson in (None, key[1])) and (student in (None, key[0])):
-                found = self._all("SELECT result FROM results WHERE student = ? AND lesson = ?", key)
-                yield from (self._result(text) for (text,) in found)
+        query = (
+            "SELECT student, lesson FROM results WHERE student = ifnull(?, student) AND lesson = ifnull(?, lesson) "
+            "ORDER BY student, lesson"
+        )
+        for key in self._all(query, (student, lesson)):
+            found = self._all("SELECT result FROM results WHERE student = ? AND lesson = ?", key)
+            yield from (self._result(text) for (text,) in found)
 
     def students(self) -> set[str]:
         """Return the students who have a result."""
@@ -264,6 +299,22 @@ class Journal:
                 "UPDATE results SET again = 1 WHERE student = ? AND lesson = ?", (student, lesson)
             )
 
+    def date(self, student: str, lesson: str, submission: str, handed_in: str, timed_by: str) -> bool:
+        """Record when a submission was made; return whether the time of its result is another one than before.
+
+        Nothing happens if the result is of another submission.
+        """
+        with self._writing():
+            for before in self.each_result(lesson, student):
+                after = replace(before, handed_in=handed_in, timed_by=timed_by)
+                if before.submission == submission and before != after:
+                    self._database.execute(
+                        "UPDATE results SET result = ? WHERE student = ? AND lesson = ?",
+                        (json.dumps(as_json(after), ensure_ascii=False), student, lesson),
+                    )
+                    return before.handed_in != handed_in
+        return False
+
     def _result(self, text: str) -> SubmissionResult:
         try:
             return from_json(json.loads(text))
@@ -271,6 +322,79 @@ class Journal:
             raise JournalError(
                 f"{self.path} holds a result that cannot be read ({type(error).__name__}: {error})"
             ) from None
+
+    # --- who is who ---
+
+    def roster(self) -> Roster:
+        """Return the students who have a result or are in a sheet."""
+        aliases: dict[str, dict[str, str]] = defaultdict(dict)
+        for alias, student, lesson in self._all("SELECT alias, student, lesson FROM aliases ORDER BY alias"):
+            aliases[student][alias] = lesson
+        rows = self._all("SELECT student, name, email, login, section, listed FROM students ORDER BY student")
+        known = {
+            student: Student(student, name, email, login, section, aliases[student], bool(listed))
+            for student, name, email, login, section, listed in rows
+        }
+        others = self.students() - known.keys()
+        return Roster(
+            [*known.values(), *(Student(each, "" if is_nameless(each) else each) for each in others)]
+        )
+
+    def know(self, students: Iterable[Student]) -> None:
+        """Record students; what is known of the same ones is replaced."""
+        with self._writing():
+            self._write_students(students)
+        self.policy = self._policy_by_student()
+
+    def _write_students(self, students: Iterable[Student]) -> None:
+        for each in students:
+            row = (each.student, each.name, each.email, each.login, each.section, int(each.listed))
+            self._database.execute("INSERT OR REPLACE INTO students VALUES (?, ?, ?, ?, ?, ?)", row)
+            self._database.execute("DELETE FROM aliases WHERE student = ?", (each.student,))
+            self._database.executemany(
+                "INSERT OR REPLACE INTO aliases VALUES (?, ?, ?)",
+                [(alias, each.student, lesson) for alias, lesson in each.aliases.items()],
+            )
+
+    def rename(self, old: str, new: str) -> list[str]:
+        """Give a student another name; if there is a student of this name, the two become one.
+
+        Return the lessons of which both have a result: the later submission counts, or else the result with more points,
+        and the other result moves to the history.
+        """
+        roster = self.roster()
+        before, after = (roster.students.get(each, Student(each)) for each in (old, new))
+        with self._writing():
+            (mine, theirs) = (
+                {each.lesson: each for each in self.each_result(None, who)} for who in (old, new)
+            )
+            for lesson in mine.keys() & theirs.keys():
+                other = (old if _is_later(theirs[lesson], mine[lesson]) else new, lesson)
+                of_one = "WHERE student = ? AND lesson = ?"
+                self._database.execute(f"INSERT INTO history SELECT {_COLUMNS} FROM results {of_one}", other)
+                self._database.execute(f"DELETE FROM results {of_one}", other)
+            for table in ("results", "history"):
+                for row, text in self._all(f"SELECT rowid, result FROM {table} WHERE student = ?", (old,)):
+                    renamed = json.dumps(json.loads(text) | {"student": new}, ensure_ascii=False)
+                    self._database.execute(f"UPDATE {table} SET result = ? WHERE rowid = ?", (renamed, row))
+            for table in _OF_STUDENTS[:-2]:
+                self._database.execute(f"UPDATE {table} SET student = ? WHERE student = ?", (new, old))
+            for table in _OF_STUDENTS[-2:]:
+                self._database.execute(f"DELETE FROM {table} WHERE student = ?", (old,))
+            joined = replace(before, student=new).joined(after)
+            self._write_students([replace(joined, aliases={**joined.aliases, old: ""})])
+        self.policy = self._policy_by_student()
+        return sorted(mine.keys() & theirs.keys())
+
+    def forget(self, student: str) -> None:
+        """Delete all that is recorded of a student, also from the parts of the file that are not used any more."""
+        self._database.execute("PRAGMA secure_delete = ON")
+        with self._writing():
+            for table in _OF_STUDENTS:
+                self._database.execute(f"DELETE FROM {table} WHERE student = ?", (student,))
+        with self._errors_in_words("write"):
+            self._database.execute("VACUUM")
+            self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
 
     # --- what people did ---
 
@@ -400,6 +524,13 @@ class Journal:
                 f"cannot {verb} the journal {self.path}: {error}. What it held is still in it. "
                 f"{_advice(str(error))}"
             ) from None
+
+
+def _is_later(one: SubmissionResult, other: SubmissionResult) -> bool:
+    """Return whether a result was handed in later than another one, or has more points if a time is unknown."""
+    if one.handed_in and other.handed_in:
+        return one.handed_in >= other.handed_in
+    return one.earned >= other.earned
 
 
 def _last_of_each(given: Iterable[Given], lesson: str | None) -> list[Given]:

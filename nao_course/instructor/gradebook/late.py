@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime, timedelta
 
 from nao_course.instructor.gradebook.records import SubmissionResult
@@ -41,7 +41,7 @@ class LatePolicy:
 
     `extensions` are deadlines of single students, by student and lesson. `per_day` is the share of the earned points, 0
     to 1, that is deducted for each day begun after the deadline, `most` the largest such share, and in the first
-    `grace_hours` nothing is deducted.
+    `grace_hours` nothing is deducted. A time without an offset from UTC has the deadline's.
     """
 
     deadlines: Deadlines = field(default_factory=dict)
@@ -49,6 +49,17 @@ class LatePolicy:
     per_day: float = 0.0
     grace_hours: float = 0.0
     most: float = 1.0
+
+    def by_student(self, meant: Callable[[str], str | None]) -> LatePolicy:
+        """Return the policy with the extensions by the names that the students have in the journal.
+
+        `meant` returns the student whom a name, login or e-mail address means.
+        """
+        extensions = dict[str, Deadlines]()
+        for word, times in self.extensions.items():
+            student = meant(word) or word
+            extensions[student] = {**extensions.get(student, {}), **times}
+        return replace(self, extensions=extensions)
 
     def lateness(self, result: SubmissionResult) -> Lateness | None:
         """Return when a submission was due and what it loses; None if it has no deadline.
@@ -59,15 +70,16 @@ class LatePolicy:
         >>> found.days, found.share
         (2, 0.2)
         """
-        given = self.extensions.get(result.student, {}).get(result.lesson)
+        own = self.extensions.get(result.student, {}).get(result.lesson)
         general = self.deadlines.get(result.lesson)
-        due = given or general
+        due = own or general
         if due is None:
             return None
-        extended = given is not None and (general is None or given > general)
+        extended = own is not None and (general is None or own > general)
         handed_in = None
         with suppress(ValueError, OverflowError):  # a time in the year 9999 has no equal in another time zone
-            handed_in = datetime.fromisoformat(result.handed_in).astimezone(due.tzinfo)
+            given = datetime.fromisoformat(result.handed_in)
+            handed_in = given.astimezone(due.tzinfo) if given.tzinfo else given.replace(tzinfo=due.tzinfo)
         if handed_in is None or handed_in <= due:  # the platform knows better than a student's clock
             return Lateness(due, extended, handed_in, result.late and not extended, 0, 0.0)
         if handed_in - due <= timedelta(hours=self.grace_hours):

@@ -108,9 +108,10 @@ class SubmissionResult:
     declaration, points, secret. `notes` are for the assistant: other files of the student that did not count,
     statements that did not run, attempts on the sandbox, whose level is `level`. `left_out` are notes on files that
     were made before any code ran; the student sees them, too. `seconds`, the duration, may differ between two runs that
-    agree. `handed_in` is when it was packed, in UTC and by the student's clock, and empty if unknown; `late` is what
-    the platform says. `versions` are of "python", "numpy" and others with which the notebook was written, as far as it
-    or the receipt says so, and `graded_with` of the grader, empty in results of earlier versions.
+    agree. `handed_in` is when it was handed in, with the offset from UTC if that is known, and `timed_by` who says so,
+    as in `collecting.submissions.TRUST`; both are empty if unknown, and the latter in results of earlier versions.
+    `late` is what the platform says. `versions` are of "python", "numpy" and others with which the notebook was
+    written, as far as it or the receipt says so, and `graded_with` of the grader, empty in results of earlier versions.
     """
 
     student: str
@@ -127,6 +128,7 @@ class SubmissionResult:
     seconds: float = field(default=0.0, compare=False)
     left_out: tuple[str, ...] = ()
     handed_in: str = ""
+    timed_by: str = ""
     late: bool = False
     versions: Mapping[str, str] = field(default_factory=dict)
     graded_with: Mapping[str, str] = field(default_factory=dict)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,8 @@ from nao_course._internal.tables import (
     refuse_doubled_numbers,
 )
 from nao_course.homework import zipped
-from nao_course.instructor.collecting.layouts import canvas_name
+from nao_course.instructor.collecting.layouts import canvas_name, moodle_name, person_in
+from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.gradebook.scores import Score
 from nao_course.instructor.reports.html import number
@@ -64,11 +65,18 @@ class _Columns:
 
 
 def fill_sheet(
-    platform: str, sheet: Path, made: Iterable[Score], column: str = "", *, scale: bool = False
+    platform: str,
+    sheet: Path,
+    made: Iterable[Score],
+    column: str = "",
+    *,
+    roster: Roster | None = None,
+    scale: bool = False,
 ) -> FilledSheet:
     """Write points of one lesson into Moodle's grading worksheet or Canvas's exported gradebook, and nothing else.
 
-    A student is found by the number that the platform, one of `PLATFORMS`, put into the file name. `column` is its
+    A student is found by the number that the platform, one of `PLATFORMS`, put into the file's name or that the roster
+    has. `column` is its
     column's name, or how it begins; Canvas has a column for each assignment. With `scale`, points are scaled to the
     platform's maximum. Raise a TableError if it is not such a sheet, if a student or a column that matters is there
     twice, if no column is given, or if its maximum is not the lesson's and `scale` is false.
@@ -82,8 +90,11 @@ def fill_sheet(
     made = list(made)
     worth = max((each.points for each in made), default=0.0)
     maximum_of = _maxima(rows, columns, sheet.name)
-    numbers = Counter(_number_of(each.result.student) for each in made)
-    points = {n: each for each in made if numbers[n := _number_of(each.result.student)] == 1 and n}
+    scores = defaultdict[str, list[Score]](list)
+    for score in made:
+        for its in _numbers(platform, score.result, roster):
+            scores[its].append(score)
+    points = {its: found[0] for its, found in scores.items() if len(found) == 1}
     students = {
         at: found[1]
         for at, row in enumerate(rows)
@@ -106,11 +117,8 @@ def fill_sheet(
             filled += 1
         else:
             left.append(row[0].strip())
-    without = sorted(
-        each.result.student
-        for each in made
-        if _number_of(each.result.student) not in points.keys() & students.values()
-    )
+    in_row = {points[its].result.student for its in students.values() if its in points}
+    without = sorted(each.result.student for each in made if each.result.student not in in_row)
     text = io.StringIO()
     csv.writer(text, lineterminator="\r\n").writerows(rows)
     return FilledSheet(text.getvalue().encode("utf-8-sig"), filled, tuple(without), tuple(left))
@@ -193,13 +201,22 @@ def _first_assignment(header: Sequence[str]) -> str:
     return next((name for name in header if re.search(r"\(\d+\)$", name)), "the assignment's name")
 
 
-def _number_of(student: str) -> str:
-    found = _LAST_NUMBER.search(student)
-    return found[1] if found else ""
+def _numbers(platform: str, result: SubmissionResult, roster: Roster | None) -> set[str]:
+    """Return the numbers of a student on a platform: in the file's name, in the roster, or in the student's name."""
+    name = moodle_name(result.file) if platform == "moodle" else canvas_name(result.file)
+    person = person_in(result.file, result.lesson) if name else None
+    if person and person.number:
+        return {person.number}
+    start = f"{platform} "
+    student = roster.students.get(result.student) if roster else None
+    aliases = student.aliases if student else ()
+    known = {alias.removeprefix(start) for alias in aliases if alias.startswith(start)}
+    found = _LAST_NUMBER.search(result.student)
+    return known or ({found[1]} if found else set())
 
 
 def feedback_zip(
-    platform: str, pages: Iterable[tuple[SubmissionResult, bytes]]
+    platform: str, pages: Iterable[tuple[SubmissionResult, bytes]], roster: Roster | None = None
 ) -> tuple[bytes, tuple[str, ...]]:
     """Make the zip of feedback pages with the names of a platform's own download, the same for the same pages.
 
@@ -208,16 +225,20 @@ def feedback_zip(
     """
     files, left_out = {}, []
     for result, content in pages:
-        if name := _name_in_zip(platform, result):
+        if name := _name_in_zip(platform, result, roster):
             files[name] = content
         else:
             left_out.append(result.student)
     return zipped(files), tuple(sorted(left_out))
 
 
-def _name_in_zip(platform: str, result: SubmissionResult) -> str:
+def _name_in_zip(platform: str, result: SubmissionResult, roster: Roster | None) -> str:
     """Return the name of a student's page in a platform's zip; an empty string if the platform would not know it."""
     if platform == "canvas":
         name = canvas_name(result.file)
         return f"{name}.html" if name else ""
-    return f"{result.student}_assignsubmission_file_/feedback.html" if _number_of(result.student) else ""
+    numbers = _numbers(platform, result, roster)
+    name = moodle_name(result.file) or (result.student if _LAST_NUMBER.search(result.student) else "")
+    if not name and len(numbers) == 1:
+        name = f"{result.student}_{min(numbers)}"
+    return f"{name}_assignsubmission_file_/feedback.html" if name else ""

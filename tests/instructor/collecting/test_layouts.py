@@ -11,6 +11,7 @@ from nao_course.exercises.running import alarm
 from nao_course.instructor.collecting.files import read
 from nao_course.instructor.collecting.layouts import canvas_name, handed_in
 from nao_course.instructor.collecting.marks import read_marks
+from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.collecting.submissions import gather
 from tests.handed_in import HSL, LESSONS, answered, packed, put, who
 
@@ -212,7 +213,7 @@ def test_every_layout_has_one_student_whose_newest_attempt_counts(tmp_path, name
     first = {at: content for at, content in files.items() if at != sample.following}
     alone = packed(tmp_path / "first.zip", first)
     for path, lessons in ((place, [HSL, NEXT]), (alone, [HSL])):
-        found = gather(path, tmp_path / "scratch" / path.name, LESSONS, known=[])
+        found = gather(path, tmp_path / "scratch" / path.name, LESSONS)
         assert who(found) == [(sample.student, lesson[:-6]) for lesson in lessons]
         assert (found.refused, found.unknown, found.wrapper) == ((), (), "")
         assert found.submissions[0].late == sample.late
@@ -226,7 +227,7 @@ def test_every_layout_has_one_student_whose_newest_attempt_counts(tmp_path, name
 def test_the_next_week_has_the_same_students_and_no_guard_stops_a_platforms_own_folder(tmp_path):
     for number, sample in enumerate(SAMPLES.values()):
         following = packed(tmp_path / "next.zip", {sample.following: answered(1)} | dict(sample.more))
-        found = gather(following, tmp_path / str(number), LESSONS, known=[sample.student])
+        found = gather(following, tmp_path / str(number), LESSONS, known=Roster.of([sample.student]))
         assert who(found) == [(sample.student, NEXT[:-6])] and not found.wrapper
 
 
@@ -266,20 +267,12 @@ def test_numbers_of_students_are_no_dates(tmp_path, name):
     assert who(found) == [(name, HSL[:-6])] and not found.unknown
 
 
-def students_in(folder, name, files, known=()):
+def students_in(folder, name, files):
     """Gather a zip of notebooks, or of given contents, and return the students."""
     contents = files if isinstance(files, dict) else dict.fromkeys(files, answered(1))
-    found = gather(packed(folder / f"{name}.zip", contents), folder / name, LESSONS, known=known)
+    found = gather(packed(folder / f"{name}.zip", contents), folder / name, LESSONS)
     assert len(found.submissions) + len(found.not_graded) > 0
     return [student for student, _ in who(found)]
-
-
-def test_a_student_keeps_the_name_that_an_earlier_version_took_from_the_folder(tmp_path):
-    first, second = (f"50-6 - Ada - Nov {day}, 2026 932 PM" for day in (20, 21))
-    assert students_in(tmp_path, "dates", [f"{first}/{HSL}", f"{second}/{HSL}"], [first]) == [first]
-    moodle = [f"Ada_12_assignsubmission_file_/{HSL}"]
-    assert students_in(tmp_path, "group", moodle, ["Group A-Ada_12"]) == ["Group A-Ada_12"]
-    assert students_in(tmp_path, "others", moodle, ["Eva-Ada_13", "Eve_12"]) == ["Ada_12"]
 
 
 def test_blackboards_receipt_tells_a_title_from_a_user_that_both_have_underscores(tmp_path):

@@ -4,6 +4,7 @@ import pytest
 
 from nao_course.homework import REQUEST
 from nao_course.instructor.collecting.requests import LARGEST, AskedAbout, request_files, requests_in
+from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.collecting.submissions import gather
 from tests.handed_in import HSL, LESSONS, NOTEBOOK, packed, put
 
@@ -23,30 +24,30 @@ def test_a_file_in_a_students_folder_or_zip_is_that_students(tmp_path):
         (packed(tmp_path / "canvas.zip", canvas), "lovelaceada_12"),
         (packed(tmp_path / "late.zip", late), "lovelaceada_12"),
     ):
-        assert request_files(place, tmp_path, LESSONS, ()) == ({student: TEXT}, [])
+        assert request_files(place, tmp_path, LESSONS) == ({student: TEXT}, [])
 
 
 def test_a_file_that_cannot_be_read_is_named(tmp_path):
     folder = put(tmp_path / "in", f"ada/{REQUEST}", content=b"x" * (LARGEST + 1))
     put(folder, "ben/x.zip", content=b"PK no zip")
     put(folder, f"eve/{REQUEST}", content=b"\x00\x01\xff")
-    texts, problems = request_files(folder, tmp_path, LESSONS, ())
+    texts, problems = request_files(folder, tmp_path, LESSONS)
     assert texts == {} and [student for student, _ in problems] == ["ada", "ben", "eve"]
 
 
 def test_a_folder_that_may_be_a_students_asks_nothing_in_a_classmates_name(tmp_path):
     path = put(tmp_path / "in", f"Eve/Ada/{HSL}", f"Eve/Ben/{HSL}")
     put(path, f"Eve/Ada/{REQUEST}", f"Eve/Ben/{REQUEST}", content=TEXT.encode())
-    texts, problems = request_files(path, tmp_path, LESSONS, ("Ada", "Ben"))
+    texts, problems = request_files(path, tmp_path, LESSONS, Roster.of(["Ada", "Ben"]))
     assert texts == {} and len(problems) == 2 and all("may be a student's" in line for _, line in problems)
     put(path, f"Zoe/{HSL}", f"Zoe/{REQUEST}", content=TEXT.encode())
-    texts, problems = request_files(path, tmp_path, LESSONS, ("Ada", "Ben"))
+    texts, problems = request_files(path, tmp_path, LESSONS, Roster.of(["Ada", "Ben"]))
     assert texts == {"Zoe": TEXT} and all("several students" in line for _, line in problems)
 
 
 def test_a_file_is_refused_and_grading_does_not_list_a_request_as_left_out(tmp_path):
     with pytest.raises(ValueError, match="is not a folder of submissions"):
-        request_files(put(tmp_path, "x.txt") / "x.txt", tmp_path, LESSONS, ())
+        request_files(put(tmp_path, "x.txt") / "x.txt", tmp_path, LESSONS)
     found = gather(put(tmp_path / "in", f"ada/{HSL}", f"ada/{REQUEST}"), tmp_path / "scratch", LESSONS)
     assert len(found.submissions) == 1 and found.unknown == ()
 
@@ -70,7 +71,7 @@ def test_a_request_is_read_however_it_is_written(tmp_path, form, name):
     said = {"hue_mask": f"{RED}\nsee page 3: it says so", "rgb_to_hsl": "why 0?"}
     for encoding in ("utf-8", "utf-8-sig", "utf-16", *(["cp1252"] if "\uff1a" not in text else [])):
         folder = put(tmp_path / "in", f"ada/{REQUEST}", content=text.encode(encoding))
-        (read,) = request_files(folder, tmp_path, LESSONS, ())[0].values()
+        (read,) = request_files(folder, tmp_path, LESSONS)[0].values()
         found = {("01_hsl_filtering", key): value for key, value in said.items()}
         assert requests_in(read, EXERCISES) == (found, [])
 

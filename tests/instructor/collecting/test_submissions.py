@@ -18,6 +18,7 @@ from nao_course.instructor.collecting import submissions
 from nao_course.instructor.collecting.archives import LARGEST_READ, Refused
 from nao_course.instructor.collecting.files import read
 from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.collecting.submissions import Submission, gather, of_lessons
 from tests.handed_in import HSL, LESSONS, NOTEBOOK, answered, packed, posix, put, reasons, who
 from tests.paths import PROJECT
@@ -429,9 +430,9 @@ def test_a_student_cannot_pass_for_the_folder_around_all_students(tmp_path):
         students, _, (line, *_) = gathered(f"Eve/Ada/{HSL}", f"Eve/{own}/{HSL}")
         assert not students and line.startswith("Eve: it holds the work of several students")
     both = (f"Eve/Ada/{HSL}", f"Eve/Bob/{HSL}")
-    assert gathered(*both, known={"Ada", "Eve"})[:2] == (["Eve"], "")
-    assert gathered(*both, known={"Ada", "Bob"})[:2] == (["Ada", "Bob"], "Eve")
-    assert not gathered(f"eve/Ada/{HSL}", f"eve/Ben/{HSL}", known={"Eve"})[1]
+    assert gathered(*both, known=Roster.of({"Ada", "Eve"}))[:2] == (["Eve"], "")
+    assert gathered(*both, known=Roster.of({"Ada", "Bob"}))[:2] == (["Ada", "Bob"], "Eve")
+    assert not gathered(f"eve/Ada/{HSL}", f"eve/Ben/{HSL}", known=Roster.of({"Eve"}))[1]
 
 
 @pytest.mark.parametrize(

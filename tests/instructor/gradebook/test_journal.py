@@ -10,10 +10,14 @@ import sys
 import time
 from contextlib import closing
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import pytest
 
+from nao_course.instructor.collecting.layouts import person_in
+from nao_course.instructor.collecting.roster import Student
 from nao_course.instructor.gradebook.journal import NAME, VERSION, Journal, JournalError
+from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.gradebook.records import (
     Comment,
     ExerciseResult,
@@ -274,3 +278,93 @@ def test_a_folder_that_may_not_be_written_to_is_said(tmp_path):
         (tmp_path / "grades").mkdir(mode=0o500)
     with pytest.raises(JournalError, match="cannot open the journal .*grades"):
         Journal(tmp_path / "grades")
+
+
+def of_version_2(folder):
+    """Turn a journal into one of the version in which a student was what a folder was called."""
+    rows = sql(folder / NAME, "SELECT rowid, result FROM results")[0]
+    older = [
+        (row, {key: said for key, said in json.loads(text).items() if key != "timed_by"})
+        for row, text in rows
+    ]
+    updates = [
+        ("UPDATE results SET result = ? WHERE rowid = ?", (json.dumps(each), row)) for row, each in older
+    ]
+    sql(folder / NAME, *updates, "DROP TABLE students", "DROP TABLE aliases", "PRAGMA user_version = 2")
+
+
+def test_students_of_an_older_journal_keep_their_names_and_are_known_by_their_numbers(tmp_path):
+    files = {
+        "Group A-Ada_12": "Group A-Ada_12_assignsubmission_file_/x.ipynb",
+        "50-6 - Ben - Nov 20, 2026 932 PM": "50-6 - Ben - Nov 20, 2026 932 PM/x.ipynb",
+        "lovelaceada_7": f"lovelaceada_7_8_{LESSON}.ipynb",
+        "ada": "ada/x.ipynb",
+    }
+    made = [replace(RESULT, student=student, file=file) for student, file in files.items()]
+    with Journal(tmp_path) as journal:
+        for each in made:
+            journal.keep(each)
+    of_version_2(tmp_path)
+    with Journal(tmp_path) as journal:
+        assert sorted(journal.results(), key=lambda each: each.student) == sorted(
+            made, key=lambda each: each.student
+        )
+        people = [person_in(file.replace("Group A-", ""), LESSON) for file in files.values()]
+        found = journal.roster().recognise([each for each in people if each])
+        assert sorted(found.students.values()) == sorted([*files][:3]) and not found.by_name
+        assert journal.roster().meant("ada") == "ada"
+
+
+def test_a_student_who_is_renamed_or_joined_with_another_keeps_everything(tmp_path):
+    early, late = (replace(RESULT, handed_in=f"2026-11-2{day} 10:00", submission=f"s{day}") for day in (0, 1))
+    with Journal(tmp_path) as journal:
+        journal.keep(replace(late, student="ada_1"))
+        journal.keep(replace(early, student="ada_2"))
+        journal.keep(replace(early, student="ada_2", lesson="02_x"))
+        journal.override(Override("ada_2", LESSON, "hue_mask", 1.5, "because", decided_on="s0"))
+        journal.mark([Mark("ada_2", "02_x", "why", 2.0, decided_on=RESULT.written[0].fingerprint)])
+        journal.request([Request("ada_2", LESSON, "hue_mask", "please")])
+        assert journal.rename("ada_2", "Ada") == [] and journal.rename("ada_1", "Ada") == [LESSON]
+        found = {each.lesson: each for each in journal.results()}
+        assert found == {
+            LESSON: replace(late, student="Ada"),
+            "02_x": replace(early, student="Ada", lesson="02_x"),
+        }
+        assert journal.history("Ada", LESSON) == [replace(early, student="Ada")]
+        decided = (*journal.overrides(), *journal.marks(), *journal.requests())
+        assert [each.student for each in decided] == ["Ada"] * 3
+        assert [journal.roster().meant(each) for each in ("ada_1", "ada_2")] == ["Ada"] * 2
+        assert journal.students() == set(journal.roster().students) == {"Ada"}
+
+
+def test_of_a_forgotten_student_no_byte_remains(tmp_path):
+    with Journal(tmp_path) as journal:
+        journal.know([Student("ada", "Ada Byron King", "ada@uni.example", aliases={"moodle 123454321": ""})])
+        for text in ("Weil", "Darum"):
+            journal.keep(replace(RESULT, submission=text, written=(replace(RESULT.written[0], text=text),)))
+        journal.keep(replace(RESULT, student="ben"))
+        journal.request([Request("ada", LESSON, "hue_mask", "please, please")])
+        journal.forget("ada")
+        assert journal.students() == set(journal.roster().students) == {"ben"}
+    words = [b"Byron", b"uni.example", b"123454321", b"Darum", b"please"]
+    content = b"".join(path.read_bytes() for path in tmp_path.iterdir())
+    assert b"ben" in content and [each for each in words if each in content] == []
+
+
+def test_a_time_is_recorded_for_the_submission_that_it_is_of(tmp_path):
+    with Journal(tmp_path) as journal:
+        journal.keep(RESULT)
+        assert not journal.date("ada", LESSON, "another", "2026-11-20 21:32", "sheet")
+        assert journal.date("ada", LESSON, "s", "2026-11-20 21:32", "platform")
+        assert not journal.date("ada", LESSON, "s", "2026-11-20 21:32", "sheet")
+        (found,) = journal.results()
+        assert found == replace(RESULT, handed_in="2026-11-20 21:32", timed_by="sheet")
+
+
+def test_an_extension_may_be_given_by_any_name_of_a_student(tmp_path):
+    due = {LESSON: datetime(2026, 11, 20, tzinfo=UTC)}
+    with Journal(tmp_path, policy=LatePolicy(due, {"ada@uni.example": due, "Eve": due})) as journal:
+        journal.know([Student("Ada", "Ada", "ada@uni.example")])
+        assert set(journal.policy.extensions) == {"Ada", "Eve"}
+        journal.rename("Ada", "Ada King")
+        assert set(journal.policy.extensions) == {"Ada King", "Eve"}

@@ -79,3 +79,10 @@ def test_later_never_earns_more_and_never_less_than_what_is_left(after, more, pe
     rules = policy(per_day=per_day, grace_hours=grace, most=most)
     first, second = (score(handed_in(each), (), (), rules).earned for each in (after, after + more))
     assert 4 * (1 - most) - 1e-9 <= second <= first <= 4
+
+
+def test_a_time_without_an_offset_has_the_deadlines():
+    due = DUE.astimezone(timezone(timedelta(hours=1)))
+    local = (due + timedelta(minutes=1)).replace(tzinfo=None).isoformat(" ", "minutes")
+    found = LatePolicy({LESSON: due}, per_day=0.1).lateness(result("ada", exercise(), handed_in=local))
+    assert found.late and found.handed_in == due + timedelta(minutes=1)

@@ -1,0 +1,239 @@
+"""A student is one student in all assignments, on every platform, and the commands say who is who."""
+
+import csv
+import io
+from concurrent.futures import Future
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+import pytest
+from typer.testing import CliRunner
+
+from nao_course import cli
+from nao_course.instructor import commands
+from nao_course.instructor.autograding.batch import grade_all
+from nao_course.instructor.collecting.files import read
+from nao_course.instructor.gradebook.records import SubmissionResult
+from tests.handed_in import answered, packed
+from tests.pages import exercise
+
+LESSONS = {"01": "01_hsl_filtering", "02": "02_goal_posts", "04": "04_homography"}
+DUE = {"01": "2026-11-20", "02": "2026-11-27", "04": "2026-12-04"}
+FIRST = ["Ada", "Ben", "Cleo", "Dan", "Eva", "Finn", "Gil", "Hana", "Ida", "Jan"]
+NAMES = [f"{first} {last}" for last in ("Kowalski", "Novák") for first in FIRST[:-1]]
+NAMES += ["Jan Kowalski", "Jan Kowalski"]  # two students of one name
+LOGINS = [f"u{number:02}" for number in range(20)]
+
+
+class Grader:
+    """A grader that gives a point for each answer, and remembers whose earlier notebooks it was given."""
+
+    def __init__(self):
+        self.earlier = {}
+
+    def submit(self, submission, assignment):
+        files = read(submission)
+        self.earlier[submission.student, submission.lesson] = [each.file for each in submission.earlier]
+        future = Future()
+        future.set_result(
+            SubmissionResult(
+                submission.student,
+                submission.lesson,
+                "graded",
+                file=submission.file,
+                submission=files.hash,
+                assignment=assignment.hash,
+                exercises=(exercise(points=10.0, earned=float(files.notebook.count(b"return"))),),
+                handed_in=submission.handed_in,
+                late=submission.late,
+            )
+        )
+        return future
+
+    @property
+    def most(self):
+        return 8
+
+    def grade(self, submissions, journal, feedback, tell):
+        assignment = SimpleNamespace(hash="a")
+        return grade_all(submissions, lambda _: assignment, journal, workers=self, tell=tell)
+
+
+@pytest.fixture
+def grader(tmp_path, monkeypatch, secret):
+    """Make a course of three lessons in the working folder, each of which uses the earlier ones; return its grader."""
+    (tmp_path / "course" / "solutions").mkdir(parents=True)
+    deadlines = "".join(f"{number} = {day}T23:59:00+01:00\n" for number, day in DUE.items())
+    extension = f'[extensions."{LOGINS[3]}@uni.example"]\n01 = 2026-11-23T23:59:00+01:00\n'
+    (tmp_path / "course" / "course.toml").write_text(
+        f'title = "Toy"\nversion = "1"\n[deadlines]\n{deadlines}[late]\nper_day = 0.1\n{extension}'
+    )
+    for lesson in LESSONS.values():
+        (tmp_path / "course" / "solutions" / f"{lesson}.md").touch()
+    monkeypatch.chdir(tmp_path / "course")
+    monkeypatch.setattr(commands, "_refuse_what_is_not_built", lambda *_: None)
+    monkeypatch.setattr(
+        commands, "lessons_used", lambda _, lesson: [each for each in LESSONS.values() if each < lesson]
+    )
+    made = Grader()
+
+    @contextmanager
+    def session(*_):
+        yield made
+
+    monkeypatch.setattr(commands, "open_session", session)
+    return made
+
+
+def run(*words, status=0):
+    done = CliRunner().invoke(cli.app, [str(word) for word in words])
+    assert done.exit_code == status, done.output
+    return done.output
+
+
+def table_of(grades):
+    run("export", grades, "--format", "csv")
+    with (grades / "exports" / "grades.csv").open(encoding="utf-8-sig", newline="") as file:
+        return {row["student"]: row for row in csv.DictReader(file)}
+
+
+def day(number, late):
+    """Return the day of a submission that is `late` by some days, as numbers."""
+    year, month, date = map(int, DUE[number].split("-"))
+    return year, month, date + late
+
+
+def moodle(number, who, attempt, late, lesson):
+    """Return Moodle's name of the last attempt, with the number in this assignment; no other is in the zip."""
+    if attempt == 1:
+        return None
+    group = "Group A-" if who == 5 and number == "02" else ""
+    return f"{group}{NAMES[who]}_{int(number)}300{who:02}_assignsubmission_file_/{lesson}.ipynb"
+
+
+def canvas(number, who, attempt, late, lesson):
+    last_first = "".join(filter(str.isalnum, "".join(reversed(NAMES[who].split())).lower()))
+    mark, again = "_LATE" if late else "", "-1" if attempt == 2 else ""
+    return f"{last_first}{mark}_{5000 + who}_{int(number)}{who}{attempt}_{lesson}{again}.ipynb"
+
+
+def blackboard(number, who, attempt, late, lesson):
+    year, month, date = day(number, late)
+    time = f"{year}-{month:02}-{date:02}-{18 + attempt}-15-00"
+    return f"Lab {number}_{LOGINS[who]}_attempt_{time}_{lesson}.ipynb"
+
+
+def csv_of(*rows):
+    text = io.StringIO()
+    csv.writer(text).writerows(rows)
+    return text.getvalue()
+
+
+def moodles_sheet(number, late_by):
+    rows = [
+        ["Identifier", "Full name", "Email address", "Last modified (submission)", "Grade", "Maximum Grade"]
+    ]
+    for who, late in late_by.items():
+        year, month, date = day(number, late)
+        time = f"Friday, {date} {'November' if month == 11 else 'December'} {year}, 8:15 PM"
+        mail = f"{LOGINS[who]}@uni.example"
+        rows.append([f"Participant {int(number)}300{who:02}", NAMES[who], mail, time, "", "10.00"])
+    return csv_of(*rows)
+
+
+def canvass_sheet(number, late_by):
+    rows = [["Student", "ID", "SIS User ID", "SIS Login ID", "Section", f"Lesson {number} (1)"]]
+    rows.append(["    Points Possible", "", "", "", "", "10.00"])
+    for who, name in enumerate(NAMES):
+        first, last = name.split()
+        rows.append([f"{last}, {first}", 5000 + who, f"s{who}", f"{LOGINS[who]}@uni.example", "A", ""])
+    return csv_of(*rows)
+
+
+def class_list(number, late_by):
+    rows = [["name", "email", "login"]]
+    return csv_of(
+        *rows, *([name, f"{each}@uni.example", each] for name, each in zip(NAMES, LOGINS, strict=True))
+    )
+
+
+PLATFORMS = {
+    "Moodle": (moodle, moodles_sheet),
+    "Canvas": (canvas, canvass_sheet),
+    "Blackboard": (blackboard, class_list),
+}
+
+
+def download(folder, platform, number, late_by):
+    """Write the download of an assignment, in which every third student has an older attempt with fewer answers."""
+    name_of, sheet_of = PLATFORMS[platform]
+    lesson, files = LESSONS[number], {}
+    for who, late in late_by.items():
+        for attempt in (1, 2) if who % 3 == 0 else (2,):
+            if name := name_of(number, who, attempt, late, lesson):
+                files[name] = answered(who % 4 + attempt)
+                if platform == "Blackboard":
+                    files[name.removesuffix(f"_{lesson}.ipynb") + ".txt"] = b"Name: (x)"
+    sheet = folder / f"{platform} {number}.csv"
+    sheet.write_text(sheet_of(number, late_by), encoding="utf-8")
+    return packed(folder / f"{platform} {number}.zip", files), sheet
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_in_a_term_of_three_assignments_nobody_is_two_people(grader, tmp_path, platform):
+    """Give Dan an extension by the e-mail address; Dan and Eva are two days late in 01, and Finn leaves out 02."""
+    grades = tmp_path / "grades"
+    for number in LESSONS:
+        late_by = {who: 2 if number == "01" and who in (3, 4) else 0 for who in range(20)}
+        if number == "02":
+            del late_by[5]
+        path, sheet = download(tmp_path, platform, number, late_by)
+        words = ["grade", path, "--out", grades, "--sheet", sheet, "--lesson", number]
+        if number == "01":
+            said = run(*words, "--dry-run")
+            assert f"{platform}: 20 students, " in said and "Nothing was graded" in said
+            assert not grades.exists()
+        said = run(*words)
+        assert "WHO IS THIS" not in said and "NOT GRADED" not in said
+        assert ("NO TIME" in said) == (platform == "Canvas")
+        if platform != "Blackboard":
+            more = ["--sheet", sheet, *(["--column", "Lesson"] if platform == "Canvas" else [])]
+            said = run("export", grades, "--format", platform.lower(), "--lesson", number, *more)
+            assert f"{len(late_by)} rows filled in" in said and "in no row" not in said
+    table = table_of(grades)
+    assert len(table) == 20
+    jans = [f"Jan Kowalski ({LOGINS[who]}@uni.example)" for who in (18, 19)]
+    students = [*NAMES[:18], *jans]
+    assert set(table) == set(students)
+    for who, student in enumerate(students):
+        points = who % 4 + 2
+        deducted = 0.2 * points if who == 4 and platform != "Canvas" else 0.0
+        assert float(table[student]["total"]) == pytest.approx((2 if who == 5 else 3) * points - deducted)
+        late = [table[student][f"{lesson} late"] for lesson in LESSONS.values()]
+        assert late == ["yes" if who == 4 else "", "", ""]
+        assert len(grader.earlier[student, LESSONS["04"]]) == (1 if who == 5 else 2)
+    said = run("students", grades)
+    assert "20 students" in said and f"{LOGINS[7]}@uni.example" in said
+
+
+def test_without_a_sheet_equal_names_are_one_student_and_two_of_one_name_are_asked_about(grader, tmp_path):
+    grades = tmp_path / "grades"
+    for number in LESSONS:
+        path, _ = download(tmp_path, "Moodle", number, dict.fromkeys(range(6), 0))
+        said = run("grade", path, "--out", grades, "--lesson", number)
+        assert ("Ada Kowalski_230000 is Ada Kowalski: the only student of this name" in said) == (
+            number == "02"
+        )
+        assert f"{LESSONS[number]} has a deadline, and 6 of 6 submissions have no time: Ada" in said
+    assert set(table_of(grades)) == set(NAMES[:6])
+    both, _ = download(tmp_path, "Moodle", "01", dict.fromkeys((0, 18, 19), 0))
+    assert "Jan Kowalski_130018" in run("grade", both, "--out", grades, "--lesson", "01")
+    again, _ = download(tmp_path, "Moodle", "02", dict.fromkeys((0, 18, 19), 0))
+    said = run("grade", again, "--out", grades, "--lesson", "02", status=1)
+    asked = said.partition("WHO IS THIS")[2]
+    assert asked.count("it may be Jan Kowalski_130018 or Jan Kowalski_130019") == 2
+    for who in (18, 19):
+        assert f"--same 'Jan Kowalski_2300{who}' STUDENT" in asked
+        run("students", grades, "--same", f"Jan Kowalski_2300{who}", f"Jan Kowalski_1300{who}")
+    run("grade", again, "--out", grades, "--lesson", "02")
+    assert set(table_of(grades)) == {*NAMES[:6], "Jan Kowalski_130018", "Jan Kowalski_130019"}
