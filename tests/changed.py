@@ -31,8 +31,10 @@ def changed_files() -> list[str]:
 def mirrors_of(files: Iterable[str]) -> Iterator[str]:
     """Yield the tests that mirror some files, and the laws of the repository.
 
-    A module is tested by the file of its name or, without one, by the folder of its package.
+    A module is tested by the file of its name or, without one, by the folder of its package; a lesson's source by the
+    lesson's folder.
     """
+    yield from LAWS
     for path in map(Path, files):
         if path.parts[0] == "tests" and path.name.startswith("test_"):
             candidates = [path]
@@ -40,12 +42,13 @@ def mirrors_of(files: Iterable[str]) -> Iterator[str]:
             inside = path.parts[path.parts[0] == "nao_course" :]
             mirror = Path("tests", *inside)
             candidates = [mirror.with_name(f"test_{path.name}"), *mirror.parents]
+        elif path.parts[0] == "solutions" and path.stem[:2].isdigit():
+            candidates = [Path("tests", "lessons", path.stem.partition("_")[2])]
         else:
             continue
         yield from map(
             str, [each for each in candidates if each != Path("tests") and (PROJECT / each).exists()][:1]
         )
-    yield from LAWS
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from itertools import groupby
 
 import pytest
 
-from tests.changed import mirrors_of
+from tests.changed import LAWS, mirrors_of
 from tests.order import APART, FIRST, in_order, unit_of
 from tests.paths import PROJECT
 
@@ -60,5 +60,7 @@ def test_a_changed_file_is_tested_by_the_file_or_the_folder_that_mirrors_it():
         ("nao_course/sim/nao.py", "tests/sim/test_nao.py"),
         ("nao_course/widgets/control_panel/screen.py", "tests/widgets/control_panel"),
         ("deploy/hub/names.py", "tests/deploy"),
+        ("solutions/exercises/07_ekf_slam.py", "tests/lessons/ekf_slam"),
     ):
-        assert next(mirrors_of([path])) == mirror
+        assert list(mirrors_of([path])) == [*LAWS, mirror]
+    assert list(mirrors_of(["docs/design.md"])) == [*LAWS]

@@ -116,6 +116,13 @@ def lesson_offences(module: str, names: Iterable[str]) -> list[str]:
     return [f"nao_course.{module} imports {other}" for other in sorted(others - {".".join(own)})]
 
 
+def test_declarations_import_of_the_grader_only_what_reads_mistakes():
+    for path in (PROJECT / "solutions" / "exercises").glob("*.py"):
+        names = imported_names("plan", path.read_text(encoding="utf-8"))
+        parts = {name for name in names if part_of(name) in ("instructor", "cli", "homework")}
+        assert all(name.startswith("instructor.authoring.mistakes") for name in parts), path.name
+
+
 def test_modules_import_only_what_stands_below_them():
     inside = packages()
     offences = []
