@@ -1,6 +1,7 @@
 """Make the pictures of README, docs and lessons, and the films: ``python images/make.py``, or some: ``... effects``.
 
-``python images/make.py slides`` writes each lesson's figures for slides, with captions, into build/slides.
+``python images/make.py slides`` writes each lesson's figures for slides, with captions, into build/slides, and
+``python images/make.py panels`` contact sheets of all panels into build/panels.
 """
 
 from __future__ import annotations
@@ -88,6 +89,13 @@ def slides() -> Files:
     return {path: content for name in COURSE.names() for path, content in slides_of(COURSE, name).items()}
 
 
+def panels() -> Files:
+    """Contact sheets of all panels on the pages that students have, in build/panels."""
+    from images.panels import contact_sheets
+
+    return {Path("build", "panels", f"{name}.png"): content for name, content in contact_sheets()}
+
+
 def film(name: str) -> Files:
     """Return the film of a lesson, recorded with its solution."""
     from images.films import record
@@ -140,8 +148,9 @@ FILMS: dict[str, Callable[[], Files]] = {
         "12_particles",
     )
 }
-SLIDES = {"slides": slides}  # made only if named, because all solutions run for them
-MAKERS = PICTURES | FILMS | SLIDES
+# Made only if named, because all solutions run for them, or all panels in a browser.
+LARGE = {"slides": slides, "panels": panels}
+MAKERS = PICTURES | FILMS | LARGE
 
 
 def make(name: str) -> list[Path]:

@@ -9,8 +9,10 @@ import nbformat
 
 from nao_course.exercises.earlier import resolved_by
 from nao_course.instructor.authoring.plans import load_solution, solutions_beside
+from tests.browser.lab import Lab
 from tests.paths import SOLUTIONS
 
+MY_NAO = "from nao_course.student import my_nao\nmy_nao()"
 PANELS = ("Panel", "Lab", "Dial")  # ends of the names of the classes whose call ends a cell
 
 
@@ -51,6 +53,51 @@ def _panel_of(lesson: str, number: int) -> Any:
     _run(imports, names)
     _run_with_earlier(cells[: number + 1], names)
     return eval(compile(ast.Expression(cells[number][-1].value), lesson, "eval"), names)
+
+
+class PanelPage:
+    """A page with the panels of all lessons, and `my_nao()`, below each other."""
+
+    def __init__(self, lab: Lab, page: Any) -> None:
+        self.page = page
+        places = panel_cells()
+        self.labels = [f"{lesson[:2]}, code cell {number}" for lesson, number in places] + ["my_nao()"]
+        cells = [f"panel_of({lesson!r}, {number})" for lesson, number in places]
+        lab.write("panels.ipynb", "from tests.browser.lesson_panels import panel_of", *cells, MY_NAO)
+        lab.open(page, "panels.ipynb")
+        page.evaluate("window.jupyterapp.commands.execute('application:toggle-left-area').then(() => null)")
+        lab.run_all(page)
+        assert lab.errors(page) == []
+
+    def choose(self, theme: str) -> None:
+        """Choose JupyterLab's theme, "Light" or "Dark"."""
+        command = (
+            "theme => window.jupyterapp.commands.execute('apputils:change-theme', {theme}).then(() => null)"
+        )
+        self.page.evaluate(command, f"JupyterLab {theme}")
+
+    def show(self, index: int, width: int) -> Any:
+        """Return a panel on a page of this width in px, scrolled to, when its pictures are there."""
+        self.page.set_viewport_size({"width": width, "height": 1200})
+        self.page.evaluate(
+            """index => { const notebook = window.jupyterapp.shell.currentWidget.content;
+            notebook.activeCellIndex = index; return notebook.scrollToItem(index, 'start'); }""",
+            index + 1,
+        )
+        cell = self.page.locator(f'.jp-Cell[data-windowed-list-index="{index + 1}"]')
+        root = cell.locator(".jp-OutputArea-output .jupyter-widgets").first
+        root.locator("img, canvas").first.wait_for(timeout=240_000)
+        self.page.wait_for_function(
+            "root => [...root.querySelectorAll('img')].every(each => each.complete && each.naturalWidth)",
+            arg=root.element_handle(),
+        )
+        return root
+
+    def photograph(self, index: int, width: int) -> bytes:
+        """Return a picture of a panel as PNG."""
+        root = self.show(index, width)
+        self.page.wait_for_timeout(500)
+        return bytes(root.screenshot())
 
 
 def _run_with_earlier(cells: list[list[Any]], names: dict[str, Any]) -> None:

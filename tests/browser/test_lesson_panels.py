@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.browser.lesson_panels import panel_cells
+from tests.browser.lesson_panels import PanelPage, panel_cells
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -31,39 +31,9 @@ _MEASURE = """root => {
 }"""
 
 
-class Page:
-    """A page with all panels below each other."""
-
-    def __init__(self, lab, page):
-        self.page = page
-        cells = [f"panel_of({lesson!r}, {number})" for lesson, number in PANELS]
-        lab.write("panels.ipynb", "from tests.browser.lesson_panels import panel_of", *cells)
-        lab.open(page, "panels.ipynb")
-        page.evaluate("window.jupyterapp.commands.execute('application:toggle-left-area').then(() => null)")
-        lab.run_all(page)
-        assert lab.errors(page) == []
-
-    def measure(self, index, width):
-        """Scroll to a panel on a page of this width, and measure it."""
-        self.page.set_viewport_size({"width": width, "height": 1200})
-        self.page.evaluate(
-            """index => { const notebook = window.jupyterapp.shell.currentWidget.content;
-            notebook.activeCellIndex = index; return notebook.scrollToItem(index, 'start'); }""",
-            index + 1,
-        )
-        cell = self.page.locator(f'.jp-Cell[data-windowed-list-index="{index + 1}"]')
-        root = cell.locator(".jp-OutputArea-output .jupyter-widgets").first
-        root.locator("img, canvas").first.wait_for(timeout=240_000)
-        self.page.wait_for_function(
-            "root => [...root.querySelectorAll('img')].every(each => each.complete && each.naturalWidth)",
-            arg=root.element_handle(),
-        )
-        return root.evaluate(_MEASURE)
-
-
 @pytest.fixture(scope="module")
 def panels(lab, context):
-    yield Page(lab, context.new_page())
+    yield PanelPage(lab, context.new_page())
     assert lab.our_errors() == []
 
 
@@ -71,7 +41,7 @@ def test_pictures_of_every_panel_are_wide_on_a_wide_page_and_nothing_sticks_out_
     wrong = []
     for index, (lesson, number) in enumerate(PANELS):
         for width in (1280, 900):
-            seen = panels.measure(index, width)
+            seen = panels.show(index, width).evaluate(_MEASURE)
             where = f"{lesson}, code cell {number}, at {width} px: "
             widths = [round(each["width"]) for each in seen["pictures"]]
             ends = {each["top"]: each["right"] for each in seen["pictures"]}  # of each row of pictures
