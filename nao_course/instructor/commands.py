@@ -99,7 +99,7 @@ def grade_folder(
                     for line in student_commands.learn(journal, out, given):
                         console.print(line, markup=False, highlight=False, soft_wrap=True)
                 waiting = add_earlier(waiting, course, journal, scratch)
-                if found.wrapper:
+                if found.wrapper and not roster.is_listed:
                     waiting, found = _without_replacements(waiting, found, journal)
                 graded = {each.student for each in waiting}
                 journal.know(each for each in found.learned if each.student in graded)
@@ -117,11 +117,15 @@ def grade_folder(
 def _without_replacements(
     waiting: Sequence[Submission], found: Gathered, journal: Journal
 ) -> tuple[list[Submission], Gathered]:
-    """Leave out submissions that would replace a result, because the folder around them may be a student's own."""
+    """Leave out submissions that would replace a result, because the folder around them may be a student's own.
+
+    A sheet of the class shows that it is not: then only a student's folder has a student's name.
+    """
     replaces = _replacing(journal)
     lines = [
         f"{each.student}, {each.lesson}: there is a result already, and the folder {found.wrapper} around this other "
-        "notebook may be a student's. If it is not, grade that folder by itself (unpack a zip first)"
+        "notebook may be a student's. If it is not, give the sheet of the class with --sheet, or grade that folder by "
+        "itself (unpack a zip first)"
         for each in waiting
         if replaces(each)
     ]
@@ -179,7 +183,7 @@ def handed_in_before(
         folder = scratch / f"earlier-{number}"
         with suppress(ValueError, OSError):
             gathered = gather(place, folder, course.names(), wanted, known=known)
-            replaces = _replacing(journal) if gathered.wrapper else None
+            replaces = _replacing(journal) if gathered.wrapper and not known.is_listed else None
             for each in gathered.submissions:
                 if not (replaces and replaces(each)):
                     found.setdefault((each.student, each.lesson), each)
@@ -389,7 +393,7 @@ def _handed_in(
         found = gather(place, folder, course.names(), [result.lesson], known=known)
         mine = [each for each in of_lessons(found, [result.lesson]) if each.student == result.student]
         # The folder around all students may be a student's own: it replaces nobody's submission.
-        if mine and (not found.wrapper or submission_hash(mine[0]) == result.submission):
+        if mine and (not found.wrapper or known.is_listed or submission_hash(mine[0]) == result.submission):
             return mine
     return []
 

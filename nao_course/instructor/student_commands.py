@@ -140,4 +140,4 @@ def _forget(journal: Journal, grades: Path, student: str) -> Iterator[str]:
     if student in extensions:
         yield "still names the student: course.toml, in [extensions]"
     for place in places:
-        yield f"may contain work of the student, and the next grade of it would read it again: {place}"
+        yield f"may contain work of the student: {place}"

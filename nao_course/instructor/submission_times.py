@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.files import submission_hash
@@ -16,10 +17,10 @@ from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.gradebook.scores import each_journal_score
 
 _SOURCES = {
-    "sheet": "the platform's sheet",
-    "platform": "the platform's names and files",
-    "receipt": "receipts (the student's own clock)",
-    "": "nobody",
+    "sheet": "from the platform's sheet",
+    "platform": "from the platform's names and files",
+    "receipt": "from receipts (the student's own clock)",
+    "": "unknown",
 }
 _MOST_NAMED = 5
 
@@ -66,17 +67,14 @@ def record_sheet(sheet: Sheet, lesson: str, journal: Journal) -> list[tuple[str,
 
 
 def in_words(submissions: Sequence[Submission]) -> str:
-    """Return a sentence about who says when submissions were made.
+    """Return a sentence about who says when submissions were made, and whom to trust first.
 
-    >>> in_words([])
-    "Times: none. The first of these that has one counts: the platform's sheet, its names and files, receipts."
+    >>> in_words([Submission("ada", "01_hsl_filtering", Path("ada"))])
+    "Times: 1 unknown. The platform's sheet counts before its names and files, and these before receipts."
     """
     counts = Counter(each.timed_by for each in submissions)
-    said = ", ".join(f"{counts[each]} by {_SOURCES[each]}" for each in (*TRUST, "") if counts[each])
-    return (
-        f"Times: {said or 'none'}. The first of these that has one counts: the platform's sheet, its names and files, "
-        "receipts."
-    )
+    said = ", ".join(f"{counts[each]} {_SOURCES[each]}" for each in (*TRUST, "") if counts[each])
+    return f"Times: {said or 'none'}. The platform's sheet counts before its names and files, and these before receipts."
 
 
 def without_time(journal: Journal, lesson: str | None = None) -> Iterator[str]:

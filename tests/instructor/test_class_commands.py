@@ -60,7 +60,7 @@ def test_pages_report_and_export_tell_what_a_late_submission_costs(grades):
     list(class_commands.report(grades))
     ada = page_of(grades, "ada")
     assert "3 of 4 points" in ada and "The deadline was 2026-11-20 23:59+01:00." in ada
-    assert "receipt is from 2026-11-21 13:00+01:00" in ada and "25 % of your points: 1 point." in ada
+    assert "You handed in at 2026-11-21 13:00+01:00" in ada and "25 % of your points: 1 point." in ada
     assert "Deadline" not in page_of(grades, "ben")
     assert "4 of 4 points" in page_of(grades, "eve") and "nothing was deducted" in page_of(grades, "eve")
     text = Page((grades / "report.html").read_text("utf-8")).text
@@ -101,6 +101,14 @@ def test_a_students_work_that_fails_is_listed_and_all_other_work_is_done(
     elif "csv" in command:
         rows = (grades / "exports" / "grades.csv").read_text("utf-8-sig").splitlines()
         assert [row.split(",")[0] for row in rows[1:]] == ["ada", *(["ben"] * (not is_concerned)), "eve"]
+
+
+def test_the_report_names_submissions_without_a_time_where_there_is_a_deadline(grades):
+    assert not [line for line in class_commands.report(grades) if "no time" in line]
+    with Journal(grades) as journal:
+        journal.keep(result("fay", exercise(), lesson=LESSON))
+    (line,) = [line for line in class_commands.report(grades) if "no time" in line]
+    assert line.startswith(f"{LESSON} has a deadline, and 1 of 4 submissions has no time: fay.")
 
 
 def test_an_extension_stands_on_the_page_and_a_misspelt_name_is_reported(course, grades, tmp_path):

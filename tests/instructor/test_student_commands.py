@@ -13,6 +13,7 @@ from nao_course import cli
 from nao_course.instructor import commands
 from nao_course.instructor.autograding.batch import grade_all
 from nao_course.instructor.collecting.files import read
+from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult
 from tests.handed_in import answered, packed
 from tests.pages import exercise
@@ -237,3 +238,105 @@ def test_without_a_sheet_equal_names_are_one_student_and_two_of_one_name_are_ask
         run("students", grades, "--same", f"Jan Kowalski_2300{who}", f"Jan Kowalski_1300{who}")
     run("grade", again, "--out", grades, "--lesson", "02")
     assert set(table_of(grades)) == {*NAMES[:6], "Jan Kowalski_130018", "Jan Kowalski_130019"}
+
+
+def hand_in(folder, files, name="in"):
+    """Pack notebooks with this many answers by their paths."""
+    return packed(folder / f"{name}.zip", {path: answered(answers) for path, answers in files.items()})
+
+
+def sheet_of(folder, text):
+    path = folder / "class.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_the_most_trusted_time_counts_and_only_for_the_submission_that_it_is_of(grader, tmp_path):
+    grades, lesson = tmp_path / "grades", LESSONS["01"]
+    sheet = sheet_of(tmp_path, "name,login,handed in\nAda,ada,2026-11-21 10:00\n")
+    path = hand_in(tmp_path, {f"Lab_ada_attempt_2026-11-20-10-00-00_{lesson}.ipynb": 1})
+    assert "1 from the platform's names and files" in run("grade", path, "--out", grades)
+    assert table_of(grades)["ada"][f"{lesson} handed in"] == "2026-11-20 10:00"
+    assert "1 from the platform's sheet" in run("grade", path, "--out", grades, "--sheet", sheet)
+    for again in (["grade", path, "--out", grades], ["regrade", grades, "--student", "ADA"]):
+        run(*again)
+        row = table_of(grades)["ada"]
+        assert (row[f"{lesson} handed in"], row[f"{lesson} late"]) == ("2026-11-21 10:00", "yes")
+    page = (grades / "feedback" / "ada" / f"{lesson}.html").read_text("utf-8")
+    assert "You handed in at 2026-11-21 10:00+01:00" in page
+    resubmitted = hand_in(tmp_path, {f"Lab_ada_attempt_2026-11-22-10-00-00_{lesson}.ipynb": 2}, "again")
+    run("grade", resubmitted, "--out", grades)
+    assert table_of(grades)["ada"][f"{lesson} handed in"] == "2026-11-22 10:00"
+    said = run("students", grades, "--sheet", sheet, "--lesson", "01")
+    assert f"{lesson}: 1 time new or changed" in said
+    assert "name it with --lesson" in run("students", grades, "--sheet", sheet)
+
+
+def test_a_platforms_folder_of_any_name_replaces_results_once_a_sheet_says_who_is_in_the_class(
+    grader, tmp_path
+):
+    grades, sheet = tmp_path / "grades", sheet_of(tmp_path, "name,login\nAda Lovelace,ada\nBen Marsh,ben\n")
+    people = ("Lovelace, Ada(ada)", "Marsh, Ben(ben)")
+    names = [f"Robots/{name}/Submission attachment(s)/{LESSONS['01']}.ipynb" for name in people]
+    run("grade", hand_in(tmp_path, dict.fromkeys(names, 1)), "--out", grades)
+    again = hand_in(tmp_path, dict.fromkeys(names, 2), "again")
+    assert "there is a result already" in run("grade", again, "--out", grades, status=1)
+    run("grade", again, "--out", grades, "--sheet", sheet)
+    assert [row["total"] for row in table_of(grades).values()] == ["2", "2"]
+
+
+def test_whoever_is_in_no_sheet_is_asked_about_and_graded_as_soon_as_somebody_answers(grader, tmp_path):
+    grades, sheet = tmp_path / "grades", sheet_of(tmp_path, "name,login\nAda Lovelace,ada\n")
+    names = [
+        f"lesson-01-submissions/lesson-01-{login}/{LESSONS['01']}.ipynb" for login in ("ada", "lovely", "zoe")
+    ]
+    words = ("grade", hand_in(tmp_path, dict(zip(names, (1, 2, 3), strict=True))), "--out", grades)
+    for dry in (["--dry-run"], []):
+        said = run(*words, "--sheet", sheet, *dry, status=1)
+        assert "lovely (GitHub Classroom): no sheet has this student" in said.partition("WHO IS THIS")[2]
+    run("students", grades, "--same", "lovely", "ada")
+    run("students", grades, "--new", "zoe")
+    run(*words)
+    assert {student: row["total"] for student, row in table_of(grades).items()} == {
+        "Ada Lovelace": "2",
+        "zoe": "3",
+    }
+    assert "there is no student 'nobody'" in run("students", grades, "--same", "x", "nobody", status=1)
+
+
+def test_two_students_who_are_one_are_joined_renamed_and_forgotten(grader, tmp_path):
+    grades = tmp_path / "grades"
+    for number, name in (("01", "ada"), ("02", "Ada L")):
+        run("grade", hand_in(tmp_path, {f"{name}/{LESSONS[number]}.ipynb": 2}, number), "--out", grades)
+    run("students", grades, "--same", "ada", "Ada L")
+    assert not (grades / "feedback" / "ada").exists()
+    assert [(row["student"], row["total"]) for row in table_of(grades).values()] == [("Ada L", "4")]
+    assert "Ada L is Ada Lovelace." in run("students", grades, "--rename", "ada", "Ada Lovelace")
+    run("grade", hand_in(tmp_path, {f"ada/{LESSONS['02']}.ipynb": 3}, "02"), "--out", grades)
+    assert [(row["student"], row["total"]) for row in table_of(grades).values()] == [("Ada Lovelace", "5")]
+    run("grade", hand_in(tmp_path, {f"ben/{LESSONS['01']}.ipynb": 1}, "ben"), "--out", grades)
+    assert "there is a student 'ben' already" in run("students", grades, "--rename", "ada", "ben", status=1)
+    table_of(grades)
+    said = run("students", grades, "--forget", "ada")
+    assert (
+        f"still names the student, write it again or delete it: {grades / 'exports' / 'grades.csv'}" in said
+    )
+    assert f"may contain work of the student: {tmp_path / '01.zip'}" in said
+    assert set(table_of(grades)) == {"ben"} and "Ada" not in (grades / "students.csv").read_text("utf-8")
+    assert not list((grades / "feedback").iterdir())
+
+
+def test_the_sheets_of_a_term_mend_a_journal_in_which_every_moodle_number_was_a_student(grader, tmp_path):
+    grades, everybody = tmp_path / "grades", dict.fromkeys(range(4), 0)
+    sheets = {}
+    for number in ("01", "02"):
+        path, sheets[number] = download(tmp_path, "Moodle", number, everybody)
+        run("grade", path, "--out", grades, "--lesson", number)
+        with Journal(grades) as journal:
+            for who in everybody:
+                journal.rename(NAMES[who], f"{NAMES[who]}_{int(number)}300{who:02}")
+    assert len(table_of(grades)) == 4
+    for number, sheet in sheets.items():
+        run("students", grades, "--sheet", sheet, "--lesson", number)
+    table = table_of(grades)
+    assert len(table) == 4 and all(row[f"{LESSONS['02']} handed in"] for row in table.values())

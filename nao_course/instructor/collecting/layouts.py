@@ -105,8 +105,8 @@ LAYOUTS = (
     Layout(
         "Files and folders named after students",
         r"(?!)",
-        wrapper=r"(?:.+-)?submissions",
-        ignored=r"worlds\.csv",
+        wrapper=r"(?:.+-)?submissions",  # GitHub Classroom's, too
+        ignored=r"worlds\.csv|(?P<student>[^/]+)/(?:README\.md|LICENSE|\.git(?:ignore|attributes|hub/.*))",
         is_certain=False,
     ),
 )

@@ -62,7 +62,7 @@ def request_files(
                     item.parts[0]
                 ):
                     problems.append(("", f"{shown}: {problem}"))
-                elif unwrapped.wrapper:
+                elif unwrapped.wrapper and not (known and known.is_listed):
                     problems.append(("", f"{shown}: {_may_be_a_students(clean_name(unwrapped.wrapper))}"))
                 else:
                     text = (getattr(name, "order", ()), each.time), decode_text(each.content(LARGEST))

@@ -105,8 +105,9 @@ class Roster:
             for kind in ("login", "email"):
                 if said := getattr(each, kind):
                     self._by[kind][fold(said)].add(each.student)
-            for spelling in _spellings(each.name or each.student):
-                self._by["name"][spelling].add(each.student)
+            for name in filter(None, (each.name, each.student)):
+                for spelling in _spellings(name):
+                    self._by["name"][spelling].add(each.student)
 
     @classmethod
     def of(cls, names: Iterable[str]) -> Roster:

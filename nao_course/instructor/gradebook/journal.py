@@ -359,8 +359,8 @@ class Journal:
     def rename(self, old: str, new: str) -> list[str]:
         """Give a student another name; if there is a student of this name, the two become one.
 
-        Return the lessons of which both have a result: the later submission counts, or else the result with more points,
-        and the other result moves to the history.
+        Return the lessons of which both have a result: the later submission counts, or else the result with more
+        points, and the other result moves to the history.
         """
         roster = self.roster()
         before, after = (roster.students.get(each, Student(each)) for each in (old, new))

@@ -181,7 +181,7 @@ def _deadline(lateness: Lateness, deducted: float) -> Iterator[Markup]:
         start = "" if lateness.extended else f"The deadline was {_time(lateness.due)}. "
         days = say_count(lateness.days, "day")
         lines.append(
-            f"{start}Your receipt is from {_time(lateness.handed_in)}, and every day begun after the deadline counts: "
+            f"{start}You handed in at {_time(lateness.handed_in)}, and every day begun after the deadline counts: "
             f"{days}. This costs {100 * lateness.share:.0f} % of your points: {_points(deducted)}."
         )
     if lines:
