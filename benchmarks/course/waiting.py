@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import nbformat
@@ -32,14 +34,19 @@ SECONDS = 300.0  # for a cell
 
 def command_seconds(root: Path, *words: str) -> float:
     """Return the processor seconds of a command of the course."""
+    return module_seconds(root, "nao_course.cli", *words)
+
+
+def module_seconds(root: Path, *words: str, seconds: float = SECONDS) -> float:
+    """Return the processor seconds of a module that is run as a program, and of all that it starts."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(
-        [sys.executable, "-m", "nao_course.cli", *words],
+        [sys.executable, "-m", *words],
         cwd=root,
         env=os.environ | {"PYTHONPATH": str(root)},
         stdout=subprocess.DEVNULL,
         check=False,
-        timeout=SECONDS,
+        timeout=seconds,
     )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
@@ -93,37 +100,46 @@ def measure(root: Path) -> dict[str, float]:
     return found
 
 
-def main() -> Result:
-    """Measure both builds in turn."""
-    if sys.platform != "linux":
-        raise FileNotFoundError("the times and the memory of a kernel are read from Linux's /proc")
+@contextmanager
+def two_builds() -> Iterator[dict[str, Path]]:
+    """Check out the older commit and this one, each in a folder of its own."""
     folder = Path(tempfile.mkdtemp())
     git = ["git", "-C", str(ROOT), "worktree"]
+    builds = {"before": folder / "before", "now": folder / "now"}
     try:
-        subprocess.run([*git, "add", "--quiet", "--detach", str(folder / "before"), BEFORE], check=True)
-        builds = {"before": folder / "before", "now": ROOT}
-        seen: dict[str, dict[str, list[float]]] = {name: defaultdict(list) for name in builds}
-        loads = []
-        for _ in track(range(ROUNDS), "rounds"):
-            for name, root in builds.items():
+        for path, commit in zip(builds.values(), (BEFORE, "HEAD"), strict=True):
+            subprocess.run([*git, "add", "--quiet", "--detach", str(path), commit], check=True)
+            (path / ".venv").symlink_to(ROOT / ".venv")
+        yield builds
+    finally:
+        for path in builds.values():
+            subprocess.run([*git, "remove", "--force", str(path)], check=False)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def compared(name: str, title: str, measure: Callable[[Path], dict[str, float]], rounds: int) -> Result:
+    """Measure both builds in turn, and return the medians and their ratios."""
+    if sys.platform != "linux":
+        raise FileNotFoundError("the times and the memory of processes are read from Linux's /proc")
+    seen: dict[str, dict[str, list[float]]] = {"before": defaultdict(list), "now": defaultdict(list)}
+    loads = []
+    with two_builds() as builds:
+        for _ in track(range(rounds), "rounds"):
+            for build, root in builds.items():
                 loads.append(os.getloadavg()[0])
                 for what, value in measure(root).items():
-                    seen[name][what].append(value)
-    finally:
-        subprocess.run([*git, "remove", "--force", str(folder / "before")], check=False)
-        shutil.rmtree(folder, ignore_errors=True)
-    medians = {
-        name: {what: statistics.median(each) for what, each in of.items()} for name, of in seen.items()
-    }
+                    seen[build][what].append(value)
+    before, now = ({what: statistics.median(each) for what, each in of.items()} for of in seen.values())
     rows = {
-        what: {"before": medians["before"][what], "now": now, "ratio": now / medians["before"][what]}
-        for what, now in medians["now"].items()
-        if what in medians["before"]
+        what: {"before": before[what], "now": now[what], "ratio": now[what] / before[what]}
+        for what in now
+        if what in before
     }
-    note = f"Load of the machine: {min(loads):.1f} to {max(loads):.1f}; commit before: {BEFORE}; {ROUNDS} rounds."
-    return Result(
-        "waiting",
-        {"before": BEFORE, "loads": loads, "costs": rows},
-        (Table.of("What a person waits for", rows, shown=".2f"),),
-        (note,),
-    )
+    note = f"Load of the machine: {min(loads):.1f} to {max(loads):.1f}; commit before: {BEFORE}; rounds: {rounds}."
+    values = {"before": BEFORE, "loads": loads, "costs": rows}
+    return Result(name, values, (Table.of(title, rows, shown=".2f"),), (note,))
+
+
+def main() -> Result:
+    """Measure both builds in turn."""
+    return compared("waiting", "What a person waits for", measure, ROUNDS)

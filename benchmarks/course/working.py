@@ -1,0 +1,39 @@
+"""What an author of the course waits for, in this build and in one before it: the tests, and an edited message.
+
+``python -m benchmarks working`` takes half an hour. Seconds are of a processor, of the process and all that it started,
+so that other programs change them little.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from benchmarks import Result
+from benchmarks.course.waiting import compared, module_seconds
+
+HOUR = 3600.0
+QUICK_TIER = ("-n", "2", "-p", "no:nbval", "-q", "-m", "not slow and not browser")
+LESSON = "07_ekf_slam"
+MESSAGE = re.compile(r"^( +\S.* => .*\n +)([A-Z])", re.MULTILINE)
+
+
+def measure(root: Path) -> dict[str, float]:
+    """Return the costs of one build."""
+    os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+    tests = module_seconds(root, "pytest", *QUICK_TIER, seconds=HOUR)
+    declaration = root / "solutions" / "exercises" / f"{LESSON}.py"
+    text = declaration.read_text(encoding="utf-8")
+    edited, count = MESSAGE.subn(r"\1Look: \2", text, count=1)
+    if count != 1:
+        raise ValueError(f"no message of a mistake is found in {declaration}")
+    module_seconds(root, "nao_course.cli", "build", LESSON, "--no-solutions", seconds=HOUR)
+    declaration.write_text(edited, encoding="utf-8")
+    message = module_seconds(root, "nao_course.cli", "build", LESSON, "--no-solutions", seconds=HOUR)
+    return {"the quick tier, s": tests, f"an edited message of lesson {LESSON[:2]}, s": message}
+
+
+def main() -> Result:
+    """Measure both builds, one after the other."""
+    return compared("working", "What an author waits for", measure, 1)
