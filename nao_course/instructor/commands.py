@@ -68,7 +68,8 @@ def grade_folder(
     submission was left out.
     """
     with scratch_folder() as scratch:
-        load_secret()  # what is missing is said before there is a journal
+        if not dry_run:
+            load_secret()  # what is missing is said before there is a journal
         course = load_course()
         wanted = course.names(lessons)
         given = read_sheet(sheet, wanted[0] if len(wanted) == 1 else "") if sheet else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
@@ -46,11 +47,7 @@ def students(
             yield from learn(journal, grades, given)
             yield from _record_times(journal, grades, given, name)
         if same:
-            known = journal.roster()
-            student = _meant(known, same[1])
-            if (old := known.meant(same[0]) or same[0]) == student:
-                old = same[0]
-            yield from _rename(journal, grades, old, student)
+            yield from _join(journal, grades, *same)
         if new:
             journal.know([Student(new, new)])
             yield f"{new} is a student of the class."
@@ -102,6 +99,27 @@ def _meant(roster: Roster, word: str) -> str:
     if student := roster.meant(word):
         return student
     raise ValueError(f"there is no student {word!r}: nao-course students GRADES lists all")
+
+
+def _join(journal: Journal, grades: Path, name: str, word: str) -> Iterator[str]:
+    """Make a name in a download, or a student, the same as the student whom a word means."""
+    roster = journal.roster()
+    student = _meant(roster, word)
+    if name in roster.students and name != student:
+        yield from _rename(journal, grades, name, student)
+        return
+    other = roster.students.get(roster.meant(name) or "")
+    if other is None or other.student == student:
+        yield from _rename(journal, grades, name, student)
+        return
+    theirs = {alias: lesson for alias, lesson in other.aliases.items() if roster.is_alias(alias, name)}
+    kept = {alias: lesson for alias, lesson in other.aliases.items() if alias not in theirs}
+    joined = roster.students[student].joined(Student(student, aliases={**theirs, name: ""}))
+    journal.know([replace(other, aliases=kept), joined])
+    yield (
+        f"{name} is {student} and not {other.student}. Run grade again with the download; what was graded as "
+        f"{other.student}'s stays until that student's own work is graded."
+    )
 
 
 def _rename(journal: Journal, grades: Path, old: str, new: str) -> Iterator[str]:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from pathlib import Path
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.files import submission_hash
@@ -66,15 +65,16 @@ def record_sheet(sheet: Sheet, lesson: str, journal: Journal) -> list[tuple[str,
     return changed
 
 
-def in_words(submissions: Sequence[Submission]) -> str:
+def in_words(submissions: Iterable[Submission]) -> str:
     """Return a sentence about who says when submissions were made, and whom to trust first.
 
-    >>> in_words([Submission("ada", "01_hsl_filtering", Path("ada"))])
-    "Times: 1 unknown. The platform's sheet counts before its names and files, and these before receipts."
+    >>> in_words([])
+    "Times: none. The platform's sheet counts before its names and files, and these before receipts."
     """
     counts = Counter(each.timed_by for each in submissions)
     said = ", ".join(f"{counts[each]} {_SOURCES[each]}" for each in (*TRUST, "") if counts[each])
-    return f"Times: {said or 'none'}. The platform's sheet counts before its names and files, and these before receipts."
+    order = "The platform's sheet counts before its names and files, and these before receipts."
+    return f"Times: {said or 'none'}. {order}"
 
 
 def without_time(journal: Journal, lesson: str | None = None) -> Iterator[str]:

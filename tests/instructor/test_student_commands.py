@@ -237,7 +237,18 @@ def test_without_a_sheet_equal_names_are_one_student_and_two_of_one_name_are_ask
         assert f"--same 'Jan Kowalski_2300{who}' STUDENT" in asked
         run("students", grades, "--same", f"Jan Kowalski_2300{who}", f"Jan Kowalski_1300{who}")
     run("grade", again, "--out", grades, "--lesson", "02")
-    assert set(table_of(grades)) == {*NAMES[:6], "Jan Kowalski_130018", "Jan Kowalski_130019"}
+    students = {*NAMES[:6], "Jan Kowalski_130018", "Jan Kowalski_130019"}
+    assert set(table_of(grades)) == students
+    said = run(
+        "students", grades, "--same", "Jan Kowalski_230018", "Jan Kowalski_130019"
+    )  # the answer was wrong
+    assert "Jan Kowalski_230018 is Jan Kowalski_130019 and not Jan Kowalski_130018" in said
+    said = run("students", grades, "--same", "Jan Kowalski_230019", "Jan Kowalski_130018")
+    run("grade", again, "--out", grades, "--lesson", "02")
+    assert {student: row["total"] for student, row in table_of(grades).items() if "Jan" in student} == {
+        "Jan Kowalski_130018": "9",
+        "Jan Kowalski_130019": "9",
+    }
 
 
 def hand_in(folder, files, name="in"):
@@ -285,7 +296,7 @@ def test_a_platforms_folder_of_any_name_replaces_results_once_a_sheet_says_who_i
     assert [row["total"] for row in table_of(grades).values()] == ["2", "2"]
 
 
-def test_whoever_is_in_no_sheet_is_asked_about_and_graded_as_soon_as_somebody_answers(grader, tmp_path):
+def test_whoever_is_in_no_sheet_is_asked_about_and_graded_after_the_answer(grader, tmp_path):
     grades, sheet = tmp_path / "grades", sheet_of(tmp_path, "name,login\nAda Lovelace,ada\n")
     names = [
         f"lesson-01-submissions/lesson-01-{login}/{LESSONS['01']}.ipynb" for login in ("ada", "lovely", "zoe")

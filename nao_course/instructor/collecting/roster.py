@@ -180,14 +180,20 @@ class Roster:
             learned[key] = _filled(known, said) if known else said
         return Recognised(students, asked, tuple(by_name), tuple(new), learned)
 
+    @staticmethod
+    def is_alias(alias: str, name: str) -> bool:
+        """Return whether an alias is a name in a download, or the platform's number in it."""
+        number = _LAST_NUMBER.search(name)
+        return fold(alias) == fold(name) or bool(number and alias.endswith(f" {number[1]}"))
+
     def _certainly(self, person: Person) -> str | None:
         """Return the student who has the person's number, name in the gradebook, alias, login or e-mail address."""
         for kind, word in (
             ("alias", person.alias),
             ("student", person.identity),
             ("alias", person.identity),
-            ("email", person.email),
-            ("login", person.login),
+            ("email", person.email or person.identity),
+            ("login", person.login or person.identity),
         ):
             found = self._by[kind].get(fold(word), set()) if word else set()
             if kind == "student" and found:

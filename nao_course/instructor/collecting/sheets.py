@@ -24,12 +24,16 @@ from nao_course.instructor.collecting.roster import Student, first_name_first
 COLUMNS: Mapping[str, Sequence[str]] = {
     "student": ("student",),
     "name": ("name", *NAMES_OF_MOODLE),
+    "first name": ("first name", "given name", "vorname"),
+    "last name": ("last name", "surname", "family name", "nachname"),
     "email": (
         *("email", "e-mail", "email address", "e-mail-adresse", "adresse de courriel", "dirección de correo"),
     ),
     "login": ("login", "username", "user name", "sis login id", "anmeldename"),
-    "section": ("section", "group", "gruppe"),
-    "aliases": ("aliases", "id number", "sis user id", "orgdefinedid"),
+    "section": ("section", "sections", "group", "gruppe"),
+    "aliases": (
+        *("aliases", "id number", "sis user id", "orgdefinedid", "student id", "sid", "github_username"),
+    ),
     "handed in": ("handed in",),
 }
 _TIME_OF_MOODLE = re.compile(
@@ -62,10 +66,11 @@ def read_sheet(path: Path, lesson: str = "") -> Sheet:
     if {"student", "id", "section"} <= set(header):
         number, platform = header.index("id"), "canvas"
         columns["name"], columns["student"] = columns["student"], []
-    elif not columns["student"] and (found := [name for name in NUMBERS_OF_MOODLE if name in header]):
-        number, platform = header.index(found[0]), "moodle"
-        columns["handed in"] = [at for at, name in enumerate(header) if _TIME_OF_MOODLE.fullmatch(name)]
-    if number is None and not columns["student"] and not columns["name"]:
+    times_of_moodle = [at for at, name in enumerate(header) if _TIME_OF_MOODLE.fullmatch(name)]
+    is_moodles = bool(times_of_moodle or {*NAMES_OF_MOODLE} & {*header})
+    if is_moodles and (found := [name for name in NUMBERS_OF_MOODLE if name in header]):
+        number, platform, columns["handed in"] = header.index(found[0]), "moodle", times_of_moodle
+    if number is None and not any(columns[each] for each in ("student", "name", "last name")):
         raise TableError(
             f"{path.name} is not Moodle's grading worksheet or Canvas's gradebook, and it has no column 'student' or "
             f"'name'. A class list may have the columns {', '.join(COLUMNS)}"
@@ -75,7 +80,13 @@ def read_sheet(path: Path, lesson: str = "") -> Sheet:
     rows, times, numbers = list[Student](), dict[str, str](), list[tuple[int, str]]()
     for line, cells in enumerate(table[1:], start=2):
         full = cells + [""] * (len(header) - len(cells))
+        full = [each.removeprefix("#") for each in full]  # Brightspace marks texts so
         said = {kind: next((full[at] for at in found if full[at]), "") for kind, found in columns.items()}
+        if not said["name"] and said["last name"]:
+            said["name"] = f"{said['first name']} {said['last name']}".strip()
+        identifier = dict(zip(header, full, strict=False)).get("identifier", "")
+        if "@" in identifier:  # as in GitHub Classroom's roster
+            said["email"] = said["email"] or identifier
         if not any(full) or said["name"].casefold().startswith(_NOBODY):
             continue
         digits = re.fullmatch(r"\D*(\d+)", full[number]) if number is not None else None

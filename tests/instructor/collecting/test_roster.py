@@ -28,6 +28,8 @@ def moodle(name, number, lesson="02"):
         moodle("Ada Lovelace", 99),
         moodle("ada  LOVELACE", 99),
         Person("ada", "nbgrader", login="ada"),
+        Person("ada", name="ada"),
+        Person("Ada@uni.example", name="Ada@uni.example"),
         Person("ADA LOVELACE", "Teams", name="ADA LOVELACE"),
         Person("Ada (ada@uni.example)", "Gradescope", name="Ada", email="Ada@uni.example"),
         Person("lovelaceada_7", "Canvas", "7", "lovelaceada"),
@@ -98,9 +100,35 @@ def test_the_platforms_sheets_are_read(tmp_path):
     german = german.replace("Last modified (submission)", "Zuletzt geändert (Abgabe)")
     german = german.replace("Last modified (grade)", "Zuletzt geändert (Bewertung)")
     assert read_sheet(sheet_of(tmp_path, german), "01") == sheet
-    plain = "Name;Login;Aliases;handed in\nAda;ada;adal; 2026-11-20 21:32\n"
-    (row,) = read_sheet(sheet_of(tmp_path, plain)).rows
-    assert (row.name, row.login, dict(row.aliases)) == ("Ada", "ada", {"adal": ""})
+
+
+OTHERS = {
+    "own": ("Name;Login;Aliases;handed in\nAda Lovelace;ada;adal; 2026-11-20 21:32\n", "", ["adal"]),
+    "Brightspace": (
+        "OrgDefinedId,Username,Last Name,First Name,Email\n#7,#ada,Lovelace,Ada,ada@uni.example\n",
+        "ada@uni.example",
+        ["7"],
+    ),
+    "Blackboard": (
+        '"Last Name","First Name","Username","Student ID"\n"Lovelace","Ada","ada","7"\n',
+        "",
+        ["7"],
+    ),
+    "Gradescope": ("Name,Login,SID,Email\nAda Lovelace,ada,7,ada@uni.example\n", "ada@uni.example", ["7"]),
+    "GitHub": (
+        "identifier,github_username,github_id,name,login\nada@uni.example,adal,9,Ada Lovelace,ada\n",
+        "ada@uni.example",
+        ["adal"],
+    ),
+    "with numbers": ('id,name,login,email\n7,"Lovelace, Ada",ada,ada@uni.example\n', "ada@uni.example", []),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_class_lists_are_read(tmp_path, name):
+    text, email, aliases = OTHERS[name]
+    (row,) = read_sheet(sheet_of(tmp_path, text)).rows
+    assert (row.name, row.login, row.email, list(row.aliases)) == ("Ada Lovelace", "ada", email, aliases)
 
 
 @pytest.mark.parametrize(
