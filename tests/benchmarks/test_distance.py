@@ -25,8 +25,7 @@ def test_distances_on_real_pictures(title, data_dir, monkeypatch):
 
 
 def test_ten_pictures_are_for_the_calibration_and_all_others_are_measured():
-    one = Marked(np.zeros((1, 2)), np.zeros((1, 2)), None)  # type: ignore[arg-type]
-    pictures = [Marked(one.pixels, one.ground, one.view) for _ in range(23)]
+    pictures = [Marked(np.zeros((1, 2)), np.zeros((1, 2)), None) for _ in range(23)]  # type: ignore[arg-type]
     ten, others = distance.split(pictures)
     assert (len(ten), len(others)) == (10, 13)
     assert not {id(each) for each in ten} & {id(each) for each in others}

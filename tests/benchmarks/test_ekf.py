@@ -10,33 +10,17 @@ from nao_course.datasets import read_freiburg_log
 from nao_course.lessons.ekf_slam.costs import draw_costs
 
 
-@pytest.fixture(scope="module")
-def ring():
-    """A loop through a hundred landmarks."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ekf_ideas, "LANDMARKS", 100)
-        return ekf_ideas.world(0)
-
-
-def test_on_a_long_way_round_a_large_map_the_covariance_stays_a_covariance(ring):
-    own = Whole()
-    go_round(own, ring)
+def test_on_a_long_way_round_a_large_map_the_covariance_stays_one(monkeypatch):
+    monkeypatch.setattr(ekf_ideas, "LANDMARKS", 100)
+    ring = ekf_ideas.world(0)
+    own, compressed, few = Whole(), Compressed(), Forgetful()
+    whole, loop, forgetful = (go_round(each, ring) for each in (own, compressed, few))
     assert len(own.known) == 100
     assert np.abs(own.covariance - own.covariance.T).max() < 1e-12 * own.covariance.max()
     assert np.linalg.eigvalsh(own.covariance).min() > 0
-
-
-def test_the_compressed_filter_moves_on_and_believes_the_same(ring):
-    whole, compressed = go_round(Whole(), ring), Compressed()
-    loop = go_round(compressed, ring)
     assert compressed.moves > 3 and len(compressed.on_map) == 100
-    assert np.abs(loop.errors - whole.errors).max() < 1e-9
-
-
-def test_what_is_forgotten_is_not_found_again(ring):
-    own = Forgetful()
-    forgetful, whole = go_round(own, ring), go_round(Whole(), ring)
-    assert len(own.known) < 40
+    assert np.abs(loop.errors - whole.errors).max() < 1e-9, "the compressed filter believes the same"
+    assert len(few.known) < 40
     assert np.hypot(*forgetful.errors[-1, :2]) > 2 * np.hypot(*whole.errors[-1, :2])
 
 

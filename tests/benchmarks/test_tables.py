@@ -40,9 +40,6 @@ def test_each_number_and_word_is_printed_whole(table, width):
     cells = [f"{cell:.2f}" if isinstance(cell, float) else str(cell) for row in table.rows for cell in row]
     for piece in " ".join([*table.columns, *cells]).split():
         assert re.search(rf"(?<![\w.]){re.escape(piece)}(?![\w.])", shown), piece
-
-
-def test_a_table_that_fits_has_one_line_a_row():
-    lines = printed(WORDS, 200)
+    lines = printed(WORDS, 200)  # where it fits, a row has one line
     assert any(STAGES in line and "1234.57" in line for line in lines)
     assert len(lines) == len(WORDS.rows) + 5  # the title, three rules and the columns' heads

@@ -49,19 +49,18 @@ def test_jupyterhub_knows_every_option_of_the_configuration(config):
 
 
 def test_a_students_name_on_the_hub_is_never_one_of_the_system(config):
-    renamed = config.Authenticator.post_auth_hook(None, None, {"name": "root", "admin": False})
+    def named(name):
+        return config.Authenticator.post_auth_hook(None, None, {"name": name, "admin": False})
+
+    renamed = named("root")
     assert re.fullmatch(r"nao-root-[0-9a-f]{10}", renamed["name"]) and renamed["admin"] is False
+    assert named("jos\u00e9") == named("jose\u0301"), "a name that is typed in two ways is one account"
 
 
-def test_a_name_that_is_typed_in_two_ways_is_one_account(config):
-    names = [
-        config.Authenticator.post_auth_hook(None, None, {"name": each})["name"]
-        for each in ("jos\u00e9", "jose\u0301")
-    ]
-    assert names[0] == names[1]
-
-
-def test_no_student_sees_the_temporary_files_devices_or_processes_of_another(config):
+def test_no_student_sees_files_devices_or_processes_of_another_and_a_class_is_not_turned_away(config):
+    # Beyond this number JupyterHub answers with error 429: the load test's eleventh student met a limit of ten.
+    assert config.JupyterHub.concurrent_spawn_limit >= 30
+    assert VALUES["hub"]["concurrentSpawnLimit"] == config.JupyterHub.concurrent_spawn_limit
     spawner = config.SystemdSpawner
     assert spawner.isolate_tmp and spawner.isolate_devices and spawner.disable_user_sudo
     assert spawner.unit_extra_properties["ProtectProc"] == "invisible"
@@ -77,12 +76,6 @@ def test_an_account_is_made_once_with_a_home_that_nobody_else_can_read(config, m
     spawner.user.name = "root"  # it exists
     config.Spawner.pre_spawn_hook(spawner)
     assert len(made) == 1
-
-
-def test_a_class_that_comes_at_once_is_not_turned_away(config):
-    """Beyond this number JupyterHub answers with error 429: the load test's eleventh student met a limit of ten."""
-    assert config.JupyterHub.concurrent_spawn_limit >= 30
-    assert VALUES["hub"]["concurrentSpawnLimit"] == config.JupyterHub.concurrent_spawn_limit
 
 
 def test_both_hubs_give_a_student_the_same(config):
@@ -105,14 +98,11 @@ def test_both_hubs_give_a_student_the_same(config):
 
 
 def test_kubernetes_names_accounts_as_one_server_does(config):
-    code = VALUES["hub"]["extraConfig"]["accounts"]
     on_kubernetes = Config()
-    exec(code, {"c": on_kubernetes})
-    user = {"name": "ada@uni.example"}
-    assert on_kubernetes.Authenticator.post_auth_hook(
-        None, None, user
-    ) == config.Authenticator.post_auth_hook(None, None, user)
-    assert VALUES["singleuser"]["storage"]["static"]["subPath"] == "homes/{username}"
+    exec(VALUES["hub"]["extraConfig"]["accounts"], {"c": on_kubernetes})
+    hooks = (each.Authenticator.post_auth_hook for each in (config, on_kubernetes))
+    one, other = (hook(None, None, {"name": "ada@uni.example"}) for hook in hooks)
+    assert one == other and VALUES["singleuser"]["storage"]["static"]["subPath"] == "homes/{username}"
 
 
 def test_the_image_is_made_of_nothing_but_the_release():
@@ -136,12 +126,8 @@ def test_the_image_sets_what_one_server_sets(config):
 
 
 def test_the_service_starts_the_configuration_that_the_page_installs():
-    unit = (HUB / "nao-hub.service").read_text()
-    (config_file,) = re.findall(r"--config (\S+)", unit)
+    (config_file,) = re.findall(r"--config (\S+)", (HUB / "nao-hub.service").read_text())
     assert config_file == "/opt/nao-course/hub/jupyterhub_config.py"
-    assert "/opt/nao-course/hub" in PAGE and "nao-hub.service" in PAGE
-
-
-def test_the_page_names_every_file_that_an_administrator_uses():
     for name in ("install.sh", "collect.py", "jupyterhub_config.py", "values.yaml", "Dockerfile", "names.py"):
         assert name in PAGE
+    assert "/opt/nao-course/hub" in PAGE and "nao-hub.service" in PAGE

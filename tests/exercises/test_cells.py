@@ -15,16 +15,11 @@ def test_a_cell_of_json_and_one_of_nbformat_say_the_same(kind):
     assert (grade_id(cell), is_solution(cell), is_graded(cell)) == ("hue_mask", True, False)
 
 
-@pytest.mark.parametrize(
-    "held", [None, 5, [], "nbgrader", {"nbgrader": None}, {"nbgrader": [1]}, {"nbgrader": "x"}]
-)
-def test_metadata_of_another_kind_say_nothing(held):
-    cell = {"metadata": held}
-    assert metadata(cell, "nbgrader") == {} == metadata({}, "nbgrader")
-    assert grade_id(cell) == "" and not is_solution(cell) and not is_graded(cell)
-
-
-@pytest.mark.parametrize("text", ["a\nb", ["a\n", "b"]])
-def test_a_source_is_one_text_however_the_file_holds_it(text):
-    assert source_of({"source": text}) == "a\nb"
-    assert source_of({}) == source_of({"source": None}) == ""
+def test_a_source_is_one_text_however_the_file_holds_it_and_metadata_of_another_kind_say_nothing():
+    for held in [None, 5, [], "nbgrader", {"nbgrader": None}, {"nbgrader": [1]}, {"nbgrader": "x"}]:
+        cell = {"metadata": held}
+        assert metadata(cell, "nbgrader") == {} == metadata({}, "nbgrader")
+        assert grade_id(cell) == "" and not is_solution(cell) and not is_graded(cell)
+    for text in ["a\nb", ["a\n", "b"]]:
+        assert source_of({"source": text}) == "a\nb"
+        assert source_of({}) == source_of({"source": None}) == ""

@@ -2,11 +2,10 @@
 
 import ast
 import inspect
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from IPython.core.completer import provisionalcompleter
-from IPython.core.interactiveshell import InteractiveShell
 
 from nao_course.exercises import Case, call, checking, try_out
 from nao_course.exercises.checking import grade_public, pack, unpack
@@ -62,23 +61,39 @@ def own(folder, second=None, **first):
     return loaded(folder)
 
 
-def test_calls_of_the_reference_are_recorded_once_each_with_plain_values(lessons):
-    assert [(each.use, each.given, each.answer) for each in of(lessons, "quadruple").earlier][:2] == [
-        ("80:double", {"x": 1.5}, 3.0),
-        ("80:double", {"x": 3.0}, 6.0),
-    ]
+def test_calls_of_the_reference_are_recorded_once_each_as_what_was_asked_for_and_answered_then(lessons):
+    calls = [(each.use, each.given["x"], each.answer) for each in of(lessons, "quadruple").earlier]
+    assert calls[:2] == [("80:double", 1.5, 3.0), ("80:double", 3.0, 6.0)]
     assert of(lessons, "alone").earlier == []
-    assert len(of(lessons, "walk").earlier) == len(
-        {(each.given["x"]) for each in of(lessons, "walk").earlier}
-    )
+    walks = [each.given["x"] for each in of(lessons, "walk").earlier]
+    assert len(walks) == len(set(walks))
+
+    def fill(values):
+        values[:] = 7
+        return values
+
+    inner = stand_in("80:fill", lambda: fill)
+    outer = stand_in("80:twice", lambda: lambda values: inner(inner(values)))
+    with watching(keep=True) as calls:
+        inner(np.zeros(2))[:] = 9
+        outer(np.zeros(2))
+    first, second = calls.made  # what an earlier function calls itself is none
+    assert (first.use, second.use) == ("80:fill", "80:twice")
+    assert first.given["values"].tolist() == [0, 0] and first.answer.tolist() == [7, 7]
 
 
-def test_the_students_own_right_function_is_used(tmp_path, lessons):
+def test_the_students_own_right_function_is_used_and_a_wrong_answer_stays_wrong(tmp_path, lessons):
     found = own(tmp_path, double="def double(x):\n    return x + x")
     report = grade_public(of(lessons, "quadruple"), found["quadruple"])
     assert report and len(report.lines) == 2
     assert found["quadruple"](100.0) == 400.0
     assert "double" not in found  # it is no function of this lesson
+    found = own(tmp_path)
+    report = grade_public(of(lessons, "quadruple"), lambda x: found["quadruple"](x) + 1)
+    assert report.state == "wrong" and "passes its own check" not in repr(report)
+    found = own(tmp_path, double="def double(x):\n    return 7.0 if x == 3.0 else 2 * x")
+    report = grade_public(of(lessons, "quadruple"), lambda x: found["quadruple"](x) + 1)
+    assert report.state == "wrong" and "passes its own check" in repr(report)
 
 
 @pytest.mark.parametrize(
@@ -101,9 +116,7 @@ def test_a_check_goes_on_with_recorded_answers_and_says_so(tmp_path, lessons, so
     assert str(shown).startswith("double of your lesson 80 is not usable yet")
 
 
-def test_where_an_exercise_of_the_same_lesson_is_at_fault_it_is_named_unless_it_is_not_called(
-    tmp_path, lessons
-):
+def test_an_exercise_of_the_same_lesson_that_is_at_fault_is_named_if_it_is_called(tmp_path, lessons):
     wrong = {"quadruple": "def quadruple(x):\n    return 3 * x"}
     mine = own(tmp_path, wrong)
     reason = "It uses quadruple, which does not pass its own check: correct quadruple first."
@@ -117,19 +130,19 @@ def test_where_an_exercise_of_the_same_lesson_is_at_fault_it_is_named_unless_it_
     assert not report and "which does not pass its own check" not in repr(report)
 
 
-def test_an_input_that_was_not_recorded_is_no_error_of_the_students(tmp_path, lessons):
+def test_an_input_that_was_not_recorded_or_is_large_is_no_error_of_the_students(tmp_path, lessons):
     def quadruple(x):
         return stand_in("80:double", not_usable("80:double", "why."))(7 * x)
 
     report = grade_public(of(lessons, "quadruple"), quadruple)
     assert report.state == "not checked" and "your function raises" not in report.lines[0]
-    assert (
-        "Your code calls double of your lesson 80 with an input for which no answer was recorded."
-        in report.lines[0]
-    )
+    assert "calls double of your lesson 80 with an input for which no answer was recorded." in report.lines[0]
+    calls = Calls([EarlierCall(WRAP, ["angle"], {"angle": 0.0}, 0.0)])
+    assert calls.in_library(WRAP, (np.zeros(10),), {}) is not None
+    assert calls.in_library(WRAP, (np.zeros(100_000),), {}) is None
 
 
-def test_recorded_calls_are_found_by_name_and_but_for_rounding(lessons):
+def test_recorded_calls_are_found_by_name_and_but_for_rounding_and_their_answers_stay(lessons):
     double = stand_in("80:double", not_usable("80:double"))
     recorded = of(lessons, "quadruple").earlier
     with watching(recorded) as calls:
@@ -143,9 +156,6 @@ def test_recorded_calls_are_found_by_name_and_but_for_rounding(lessons):
     assert list(calls.answered) == ["80:double"]
     with pytest.raises(EarlierNotUsable):  # nothing is left of the block
         double(1.5)
-
-
-def test_what_a_recorded_answer_is_changed_to_is_not_answered_again():
     recorded = [EarlierCall("80:ones", ["n"], {"n": 2}, np.ones(2))]
     ones = stand_in("80:ones", not_usable("80:ones"))
     with watching(recorded):
@@ -154,21 +164,6 @@ def test_what_a_recorded_answer_is_changed_to_is_not_answered_again():
     double = stand_in("80:double", not_usable("80:double"))
     with watching([EarlierCall("80:halve", ["x"], {"x": 1.5}, 0.75)]), pytest.raises(EarlierNotUsable):
         double(1.5)
-
-
-def test_a_recorded_call_is_what_was_asked_for_and_answered_then():
-    def fill(values):
-        values[:] = 7
-        return values
-
-    inner = stand_in("80:fill", lambda: fill)
-    outer = stand_in("80:twice", lambda: lambda values: inner(inner(values)))
-    with watching(keep=True) as calls:
-        inner(np.zeros(2))[:] = 9
-        outer(np.zeros(2))
-    first, second = calls.made  # what an earlier function calls itself is none
-    assert (first.use, second.use) == ("80:fill", "80:twice")
-    assert first.given["values"].tolist() == [0, 0] and first.answer.tolist() == [7, 7]
 
 
 DOCUMENTED = '''def double(x, *, times=2):
@@ -182,7 +177,7 @@ DOCUMENTED = '''def double(x, *, times=2):
     '''
 
 
-@pytest.mark.parametrize("body", ["return times * x", "return 7", "raise NotImplementedError"])
+@pytest.mark.parametrize("body", ["return times * x", "return 7"])
 def test_what_stands_for_a_function_looks_like_it_also_where_it_is_not_usable(tmp_path, body, capsys):
     pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": DOCUMENTED + body})
     double = student.earlier("80:double", tmp_path)
@@ -193,23 +188,6 @@ def test_what_stands_for_a_function_looks_like_it_also_where_it_is_not_usable(tm
     assert "This is double of your lesson 80." in shown
     assert str(inspect.signature(double)) == "(x, *, times=2)" and double.__name__ == "double"
     assert body not in inspect.getsource(double)  # nobody reads an answer where a question is looked up
-    shell = InteractiveShell()
-    try:
-        shell.user_ns["double"] = double
-        shell.run_line_magic("pinfo", "double")
-        looked_up = shell.object_inspect("double", detail_level=0)
-        assert looked_up["definition"] == "double(x, *, times=2)"
-        assert looked_up["docstring"].startswith("Return a number twice.")
-        with provisionalcompleter():
-            shell.Completer.use_jedi = False
-            assert "times=" in [each.text for each in shell.Completer.completions("double(tim", 10)]
-    finally:
-        InteractiveShell.clear_instance()
-
-
-def test_what_stands_for_nothing_that_can_be_read_has_its_name_and_takes_anything(tmp_path, capsys):
-    double = student.earlier("80:double", tmp_path)
-    assert double.__doc__ == "This is double of your lesson 80." and double.__name__ == "double"
 
 
 def test_a_class_is_handed_on_itself_unless_it_is_wrong(tmp_path, capsys):
@@ -240,9 +218,7 @@ def test_an_error_inside_an_earlier_function_is_told_as_such_with_the_line_that_
     said = str(try_out(lambda: found["quadruple"](1.0)))
     assert "(inside double of your lesson 80). It is called from your line 3: return double(y)." in said
     tried = attempt(lambda: found["quadruple"](1.0), "quadruple()")
-    assert tried.message.startswith(
-        "ValueError in quadruple(), line 3, inside double of your lesson 80: too many"
-    )
+    assert tried.message.startswith("ValueError in quadruple(), line 3, inside double of your lesson 80: too")
     found = own(tmp_path, double="def double(x):\n    return x + x").namespace["double"]
     error = call(lambda: found(1, 2), Case(()))
     assert "inside" not in error.text and "takes 1 positional argument" in error.text
@@ -252,6 +228,7 @@ def test_the_set_up_cell_binds_what_was_saved_and_names_what_there_is_not(tmp_pa
     pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": "pass"})
     double = student.earlier("80:double", tmp_path)
     shown = capsys.readouterr().out
+    assert double.__doc__ == "This is double of your lesson 80." and double.__name__ == "double"
     assert shown.count("double of your lesson 80 is not usable yet") == 1
     assert "The checks of this lesson have recorded answers for it." in shown
     with pytest.raises(EarlierNotUsable):
@@ -263,23 +240,10 @@ def test_the_set_up_cell_binds_what_was_saved_and_names_what_there_is_not(tmp_pa
             student.earlier(use, tmp_path)
 
 
-def test_student_functions_work_with_earlier_ones(tmp_path):
-    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
-    pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND)
-    assert student.functions(pair.SECOND, tmp_path).complete
-    assert student.functions(pair.SECOND, tmp_path)["quadruple"](100.0) == 400.0
-    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": "pass"})
-    assert "quadruple" in student.functions(pair.SECOND, tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("used", "name", "many"), [("81:quadruple", "Counter", 2), ("80:double", "double", 1)]
-)
+@pytest.mark.parametrize(("used", "name", "many"), [("81:walk", "Counter", 2), ("80:double", "double", 1)])
 def test_lessons_that_use_each_other_or_themselves_come_to_an_end(used, name, many, tmp_path, monkeypatch):
     loads, real = [], student.load_definitions
-    monkeypatch.setattr(
-        student, "load_definitions", lambda path, **more: loads.append(path) or real(path, **more)
-    )
+    monkeypatch.setattr(student, "load_definitions", lambda at, **more: loads.append(at) or real(at, **more))
     loop = (("setup", f"mine = earlier('{used}')"), ("solution", f"def {name}(): return mine(1)"))
     toy.write(tmp_path / f"{pair.FIRST}.ipynb", *loop)
     pair.write(tmp_path / f"{pair.SECOND}.ipynb", pair.SECOND)
@@ -304,25 +268,13 @@ def test_only_a_plain_assignment_in_the_released_set_up_cell_counts(tmp_path):
     assert split_use("1:f") == split_use("01_hsl:f") == ("01", "f")
 
 
-def test_a_class_is_defined_in_the_place_of_the_students(tmp_path):
-    path = toy.write(
-        tmp_path / "x.ipynb", "class A:\n    mine = True", "class B(A): pass", "def f(): return A().mine"
-    )
-    found = load_definitions(path, instead={"A": "class A:\n    mine = False"})
-    assert found["f"]() is False and found["B"].mine is False and list(found)[:2] == ["A", "B"]
-    missing = load_definitions(path, instead={"C": "class C(B): pass"})
-    assert missing["C"].mine is True and missing["f"]() is True
-
-
 def test_in_a_declaration_an_earlier_function_is_the_references(tmp_path):
     course = pair.make_course(tmp_path)
     declaration = course.solutions / "exercises" / f"{pair.SECOND}.py"
     text = (
         declaration.read_text() + "\nfrom nao_course.student import earlier\ndouble = earlier('80:double')\n"
     )
-    declaration.write_text(
-        text + "PLAN = LessonPlan([exercise('f', 1, [], numbers, slip=lambda x: double(x))])"
-    )
+    declaration.write_text(text + "PLAN = LessonPlan([exercise('f', 1, [], numbers, slip=double)])")
     (exercise,) = load_plan(declaration).exercises
     with resolved_by(solutions_beside(course.solutions / f"{pair.SECOND}.ipynb")):
         assert exercise.mistakes[0].function(3.0) == 6.0
@@ -330,68 +282,20 @@ def test_in_a_declaration_an_earlier_function_is_the_references(tmp_path):
         exercise.mistakes[0].function(3.0)
 
 
-def test_all_that_a_cell_lacks_is_one_list_that_is_folded(tmp_path, monkeypatch):
-    shown = []
-
-    class Handle:
-        def update(self, grown):
-            shown[-1] = grown
-
-    class Shell:
-        execution_count = 1
-
-    def display(what, **options):
-        shown.append(what)
-        return Handle()
-
-    monkeypatch.setattr("IPython.display.display", display)
-    shell = Shell()
-    monkeypatch.setattr("IPython.get_ipython", lambda: shell)
-    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": "pass", "Counter": "pass"})
-    student.earlier("80:double", tmp_path)
-    assert "<details" not in shown[0]._repr_html_()
-    student.earlier("80:Counter", tmp_path)
-    (grown,) = shown
-    assert "<summary>2 functions of earlier lessons are not usable yet" in grown._repr_html_()
-    assert "double of your lesson 80" in repr(grown) and "Counter of your lesson 80" in repr(grown)
-    shell.execution_count = 2
-    student.earlier("80:double", tmp_path)
-    assert len(shown) == 2 and "Counter" not in repr(shown[1])
-
-
-def test_an_earlier_function_that_fails_only_here_is_named_and_the_check_goes_on_without_it(
-    tmp_path, lessons
-):
-    found = own(tmp_path, double="def double(x):\n    return 7.0 if x == 3.0 else 2 * x")
-    report = grade_public(of(lessons, "quadruple"), found["quadruple"])
-    assert report.state == "right"
-    assert report.lines[-2:] == (
-        "double of your lesson 80 passes its own check, but not with an input of this one, double(3): your answer "
-        "is 7, which is not right.",
-        "The reference's answers were used in its place.",
-    )
-
-
 @pytest.mark.parametrize(
     ("body", "why"),
     [
+        ("return 7.0 if x == 3.0 else 2 * x", "one, double(3): your answer is 7, which is not right."),
         ("if x == 3.0:\n        raise ValueError('three')\n    return 2 * x", "it raises ValueError: three."),
         ("return '' if x == 3.0 else 2 * x", "your answer is a str, not numbers."),
     ],
 )
-def test_what_an_earlier_function_does_in_the_call_that_fails_is_said(tmp_path, lessons, body, why):
+def test_an_earlier_function_that_fails_only_here_is_named_and_replaced(tmp_path, lessons, body, why):
     found = own(tmp_path, double=f"def double(x):\n    {body}")
     report = grade_public(of(lessons, "quadruple"), found["quadruple"])
-    assert report.state == "right" and why in report.lines[-2]
-
-
-def test_a_wrong_answer_of_ones_own_stays_wrong_and_no_right_function_is_named(tmp_path, lessons):
-    found = own(tmp_path)
-    report = grade_public(of(lessons, "quadruple"), lambda x: found["quadruple"](x) + 1)
-    assert report.state == "wrong" and "passes its own check" not in repr(report)
-    found = own(tmp_path, double="def double(x):\n    return 7.0 if x == 3.0 else 2 * x")
-    report = grade_public(of(lessons, "quadruple"), lambda x: found["quadruple"](x) + 1)
-    assert report.state == "wrong" and "passes its own check" in repr(report)
+    assert report.state == "right" and report.lines[-2].endswith(why)
+    assert report.lines[-2].startswith("double of your lesson 80 passes its own check, but not with an input")
+    assert report.lines[-1] == "The reference's answers were used in its place."
 
 
 LESSON_11 = {each.name: each for each in checking.read_public("11_slam_on_the_field").exercises}
@@ -401,12 +305,8 @@ JOINT_DISTANCE = ("07:warp2pi", "05:expected_measurement", "05:measurement_jacob
 
 def one_number_at_a_time(**given):
     """Return a right `joint_distance` that wraps single numbers, with some functions of the earlier lessons."""
-    own = {
-        use.partition(":")[2]: stand_in(use, not_usable(use, "not written yet.")) for use in JOINT_DISTANCE
-    }
-    own |= {
-        name: stand_in(f"07:{name}", lambda function=function: function) for name, function in given.items()
-    }
+    own = {use.partition(":")[2]: stand_in(use, not_usable(use, "not written.")) for use in JOINT_DISTANCE}
+    own |= {name: stand_in(f"07:{name}", lambda own=own: own) for name, own in given.items()}
     by_landmark = "measurement_jacobian_landmark"
     own[by_landmark] = stand_in(f"05:{by_landmark}", not_usable(f"05:{by_landmark}"))
 
@@ -431,33 +331,22 @@ def wrapped(angle):
     return (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi
 
 
-def test_a_right_answer_passes_also_if_it_calls_a_missing_function_in_its_own_way():
-    report = grade_public(LESSON_11["joint_distance"], one_number_at_a_time())
-    assert report.state == "right", report
-    assert "warp2pi (07)" in report.lines[-1] and report.lines[-1].endswith(
-        "Recorded answers were used instead."
-    )
-
-
-def test_a_half_turn_to_the_right_in_place_of_the_left_is_no_error():
-    def to_the_right(angle):
-        return np.where(np.isclose(wrapped(angle), np.pi), -np.pi, wrapped(angle))[()]
-
-    report = grade_public(LESSON_11["joint_distance"], one_number_at_a_time(warp2pi=to_the_right))
-    assert report.state == "right" and "passes its own check" not in repr(report)
-
-
 @pytest.mark.parametrize(
-    "wrong",
-    [lambda angle: np.round(wrapped(angle), 2), lambda angle: -wrapped(angle), lambda angle: angle],
-    ids=["rounded", "sign", "not wrapped"],
+    ("wrapping", "is_named"),
+    [
+        (lambda angle: np.where(np.isclose(wrapped(angle), np.pi), -np.pi, wrapped(angle))[()], False),
+        (lambda angle: np.round(wrapped(angle), 2), True),
+        (lambda angle: -wrapped(angle), True),
+        (None, False),
+    ],
+    ids=["half a turn to the right", "rounded", "sign", "missing"],
 )
-def test_a_wrong_wrapping_is_named_and_the_check_goes_on_with_the_references(wrong):
-    report = grade_public(LESSON_11["joint_distance"], one_number_at_a_time(warp2pi=wrong))
+def test_a_right_answer_passes_with_a_missing_or_wrong_wrapping_and_a_wrong_one_is_named(wrapping, is_named):
+    own = {"warp2pi": wrapping} if wrapping else {}
+    report = grade_public(LESSON_11["joint_distance"], one_number_at_a_time(**own))
     assert report.state == "right", report
-    assert any(
-        line.startswith("warp2pi of your lesson 07 passes its own check, but not") for line in report.lines
-    )
+    assert ("warp2pi of your lesson 07 passes its own check, but not" in repr(report)) is is_named
+    assert wrapping or ("warp2pi (07)" in report.lines[-1] and "Recorded answers" in report.lines[-1])
 
 
 @pytest.mark.slow
@@ -477,7 +366,18 @@ def test_the_librarys_functions_have_the_answers_that_the_references_have():
     assert all(compared.values())
 
 
-def test_a_large_input_is_not_given_to_the_librarys_function():
-    calls = Calls([EarlierCall(WRAP, ["angle"], {"angle": 0.0}, 0.0)])
-    assert calls.in_library(WRAP, (np.zeros(10),), {}) is not None
-    assert calls.in_library(WRAP, (np.zeros(100_000),), {}) is None
+def test_all_that_a_cell_lacks_is_one_list_that_is_folded(tmp_path, monkeypatch):
+    shown, shell = [], SimpleNamespace(execution_count=1)
+    handle = SimpleNamespace(update=lambda grown: shown.__setitem__(-1, grown))
+    monkeypatch.setattr("IPython.display.display", lambda what, **_: shown.append(what) or handle)
+    monkeypatch.setattr("IPython.get_ipython", lambda: shell)
+    pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST, {"double": "pass", "Counter": "pass"})
+    student.earlier("80:double", tmp_path)
+    assert "<details" not in shown[0]._repr_html_()
+    student.earlier("80:Counter", tmp_path)
+    (grown,) = shown
+    assert "<summary>2 functions of earlier lessons are not usable yet" in grown._repr_html_()
+    assert "double of your lesson 80" in repr(grown) and "Counter of your lesson 80" in repr(grown)
+    shell.execution_count = 2
+    student.earlier("80:double", tmp_path)
+    assert len(shown) == 2 and "Counter" not in repr(shown[1])

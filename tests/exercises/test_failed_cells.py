@@ -43,7 +43,7 @@ def test_a_definition_with_a_syntax_error_or_below_an_error_is_named_until_it_ru
     assert cells.why_old("double") == ""
 
 
-def test_a_corrected_cell_that_also_checks_its_function_is_not_out_of_date(shell, cells, capsys):
+def test_a_corrected_cell_that_also_checks_its_function_or_class_is_not_out_of_date(shell, cells, capsys):
     """The check runs before the cell has ended, so the cell's own definition has to count already."""
     shell.user_ns["why_old"] = cells.why_old
     shell.run_cell("def double(x):\n    return 2 *")
@@ -52,11 +52,6 @@ def test_a_corrected_cell_that_also_checks_its_function_is_not_out_of_date(shell
     shell.run_cell("def double(x):\n    return 3 *")
     shell.run_cell("said = why_old('double')\ndef double(x):\n    return 2 * x")
     assert shell.user_ns["said"].startswith("The cell that defines double did not run")
-
-
-def test_a_class_and_a_new_name_count_too_a_method_does_not_and_outside_of_jupyter_nothing(
-    shell, cells, capsys
-):
     shell.run_cell("class Filter:\n    def update(self):\n        return (")
     assert cells.why_old("Filter") and not cells.why_old("update")
     cells = FailedCells()
@@ -64,25 +59,14 @@ def test_a_class_and_a_new_name_count_too_a_method_does_not_and_outside_of_jupyt
     assert cells.why_old("double") == ""
 
 
-@pytest.mark.parametrize(
-    ("source", "does"),
-    [
-        ("T = 3", True),
-        ("mean, T= 1, 2", True),
-        ("for T in range(3):\n    pass", True),
+def test_the_cell_that_gives_a_name_to_a_value_is_named_in_one_pass():
+    for source, does in [
+        *(("T = 3", True), ("mean, T= 1, 2", True), ("for T in range(3):\n    pass", True)),
         ("for i, T in pairs:\n    pass", True),
-        ("T == 3", False),
-        ("T_2 = T", False),
-        ("format = T", False),
-        ("main, T.index(3)", False),
-    ],
-)
-def test_the_cell_that_gives_a_name_to_a_value_is_named(source, does):
-    told = where_reused(["TypeError; the notebook's name T is of type int"], ["T_2 = 1", source, "print(T)"])
-    assert told == ["Code cell 2 gives the name T to that value."] * does
-
-
-def test_a_line_as_long_as_a_notebook_is_searched_in_one_pass():
+        *(("T == 3", False), ("T_2 = T", False), ("format = T", False), ("main, T.index(3)", False)),
+    ]:
+        told = where_reused(["Error; the notebook's name T is of type int"], ["T_2 = 1", source, "print(T)"])
+        assert told == ["Code cell 2 gives the name T to that value."] * does
     began = time.process_time()
     assert where_reused(["the notebook's name T is of type int"], ["T," * 200_000, "T = 3, T, " * 50_000])
     assert time.process_time() - began < 5.0

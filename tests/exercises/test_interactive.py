@@ -43,7 +43,7 @@ def test_each_call_is_found_by_any_name_and_everything_is_as_before_afterwards(p
         assert outcome.errors[0] == "SystemExit"
 
 
-def test_nothing_is_read_from_standard_input_there_is_no_shell_and_exit_ends_python():
+def test_nothing_is_read_from_standard_input_there_is_no_shell_and_colabs_drive_fails_nowhere():
     class Quitter:
         def __call__(self):
             return "in Jupyter, it only ends the kernel later"
@@ -53,8 +53,6 @@ def test_nothing_is_read_from_standard_input_there_is_no_shell_and_exit_ends_pyt
     assert call(function, Case((3,))).errors[0] == "SystemExit"
     assert call(lambda x: (sys.stdin.read(), get_ipython().system("ls")), Case((3,))).value == ("", None)  # noqa: F821
 
-
-def test_what_colab_writes_for_its_drive_fails_nowhere():
     def mounts(x):
         from google.colab import drive  # type: ignore[import-untyped]
 
@@ -62,11 +60,6 @@ def test_what_colab_writes_for_its_drive_fails_nowhere():
         return x
 
     assert call(mounts, Case((3,))).value == 3
-
-
-def test_a_name_that_an_untrusted_process_sends_is_never_repeated():
-    assert remark_on(["42.1 hidden", "cv2.imshow"]) == remark_on(["cv2.imshow"]) != ""
-    assert remark_on(["42.1 hidden"]) == remark_on([]) == ""
 
 
 def test_a_block_leaves_an_outer_one_as_it_was_and_a_thread_replaces_nothing_in_the_process():
@@ -80,3 +73,5 @@ def test_a_block_leaves_an_outer_one_as_it_was_and_a_thread_replaces_nothing_in_
     assert outcome_of(lambda: (builtins.input, sys.stdin)).value == before
     assert call(lambda: builtins.input is before[0], Case(())).value is False
     assert (builtins.input, sys.stdin) == before
+    assert remark_on(["42.1 hidden", "cv2.imshow"]) == remark_on(["cv2.imshow"]) != ""
+    assert remark_on(["42.1 hidden"]) == remark_on([]) == ""

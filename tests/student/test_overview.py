@@ -52,40 +52,34 @@ def test_a_lesson_that_is_begun_says_what_comes_next_and_its_sum_before_that_of_
     assert total.endswith("the grader uses further checks with other inputs.")
 
 
-def test_a_lesson_with_a_written_answer_is_begun(tmp_path, written):
-    path = toy.write(tmp_path / "90_toy.ipynb", BLANK)
-    answer(path, ANSWER_HERE)
-    assert "○ not begun" in repr(progress(tmp_path))
-    toy.write(path, BLANK)
-    answer(path, "Because.")
-    assert "begun" in repr(progress(tmp_path)) and "○ not begun" not in repr(progress(tmp_path))
-
-
 def test_written_answers_are_counted_apart_and_named_when_blank(tmp_path, written):
-    path = toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
-    answer(path, ANSWER_HERE)
-    assert "0 of 1 written answer filled in (2 more, marked by a person)" in repr(progress(tmp_path))
-    assert last_lines(progress(tmp_path))[1] == "Next: 90.W1, in your own words, in 90_toy."
-    toy.write(path, *toy.SOLUTION)
-    answer(path, "Because.")
-    assert "1 of 1 filled in" in repr(progress(tmp_path)) and "✔ done" in repr(progress(tmp_path))
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [(None, "90_toy.ipynb is not in your folder work."), ("{", "90_toy.ipynb: not a notebook of format 4")],
-)
-def test_a_notebook_that_is_missing_or_broken_is_a_sentence(tmp_path, content, said):
-    (tmp_path / "work").mkdir()
-    if content is not None:
-        (tmp_path / "work" / "90_toy.ipynb").write_text(content)
-    found = progress(tmp_path / "work")
-    assert said in repr(found) and said in found._repr_html_()
-    assert f"Next: 90_toy. {said}" in last_lines(found)[1] and "0 of 5 points" in repr(found)
+    path = tmp_path / "90_toy.ipynb"
+    for cells, text, said in (
+        ([BLANK], ANSWER_HERE, "○ not begun"),
+        ([BLANK], "Because.", "begun"),
+        (toy.SOLUTION, ANSWER_HERE, "0 of 1 written answer filled in (2 more, marked by a person)"),
+        (toy.SOLUTION, "Because.", "1 of 1 filled in"),
+    ):
+        answer(toy.write(path, *cells), text)
+        found = repr(progress(tmp_path))
+        assert said in found and ("○ not begun" in found) is (said == "○ not begun")
+        named = last_lines(progress(tmp_path))[1] == "Next: 90.W1, in your own words, in 90_toy."
+        assert named is (cells is toy.SOLUTION and text == ANSWER_HERE)
+    assert "✔ done" in repr(progress(tmp_path))
 
 
 @needs_alarm
-def test_a_notebook_that_never_ends_is_a_sentence(tmp_path, monkeypatch):
-    toy.write(tmp_path / "90_toy.ipynb", ENDLESS, *toy.SOLUTION)
+def test_a_notebook_that_is_missing_broken_or_never_ends_is_a_sentence(tmp_path, monkeypatch):
+    (work := tmp_path / "work").mkdir()
+    for content, said in (
+        (None, "90_toy.ipynb is not in your folder work."),
+        ("{", "90_toy.ipynb: not a notebook of format 4"),
+    ):
+        if content is not None:
+            (work / "90_toy.ipynb").write_text(content)
+        found = progress(work)
+        assert said in repr(found) and said in found._repr_html_()
+        assert f"Next: 90_toy. {said}" in last_lines(found)[1] and "0 of 5 points" in repr(found)
+    toy.write(work / "90_toy.ipynb", ENDLESS, *toy.SOLUTION)
     monkeypatch.setattr(overview, "SECONDS", 0.2)
-    assert "90_toy.ipynb takes longer than 0.2 s" in repr(progress(tmp_path))
+    assert "90_toy.ipynb takes longer than 0.2 s" in repr(progress(work))

@@ -41,7 +41,10 @@ def test_saved_functions_look_along_and_what_they_print_in_their_check_is_not_sh
     assert np.allclose(panel._screen.contents().points, [(1.0, 0.0), (1.0, 0.5)])
 
 
-def test_functions_of_this_notebook_need_not_be_saved(monkeypatch):
+def test_functions_of_this_notebook_need_not_be_saved_and_can_be_handed_over_by_name(monkeypatch):
+    assert "✔ distances (90)" in drive(clamp=clamp, mean_of_positive=mean_of_positive).summary()
+    with pytest.raises(ValueError, match="no stage of the robot uses colour_labels; my_nao takes clamp"):
+        drive(colour_labels=clamp)
     shell = SimpleNamespace(user_ns={"clamp": clamp, "mean_of_positive": mean_of_positive, "nao": 3})
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
     assert "✔ distances (90)" in drive().summary()
@@ -49,41 +52,20 @@ def test_functions_of_this_notebook_need_not_be_saved(monkeypatch):
     assert "not yet: distances, because 90_toy.ipynb is not in your folder" in drive().summary()
 
 
-def test_functions_can_be_handed_over_by_name():
-    assert "✔ distances (90)" in drive(clamp=clamp, mean_of_positive=mean_of_positive).summary()
-    with pytest.raises(
-        ValueError, match="no stage of the robot uses colour_labels; my_nao takes clamp, mean_of_positive"
-    ):
-        drive(colour_labels=clamp)
-
-
-def test_a_stage_goes_on_without_a_function_that_only_helps_and_says_so(here, stage):
-    toy.write(here / "90_toy.ipynb", toy.CLAMP)
-    helped = replace(stage, uses=("clamp",), helped_by=("mean_of_positive",))
-    found = stages.add_ready(stages.Readiness(), helped, {}, here)
-    assert found.stages == (helped,) and list(found.functions) == ["clamp"] and not found.missing
-    assert found.remarks == (
-        "distances runs without mean_of_positive, because mean_of_positive of lesson 90 is not written yet",
-    )
-
-
-def test_where_a_saved_function_drives_for_a_broken_one_it_is_said(here):
-    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
-    said = "clamp of this notebook does not pass its check, so the saved version is used"
-    assert said in drive(clamp=lambda x, low, high: x).summary()
-    assert said not in drive(clamp=clamp).summary()
-
-
-def test_what_is_missing_or_wrong_is_named_and_the_robot_drives(here):
+def test_what_is_missing_or_wrong_is_named_and_the_robot_drives_with_the_saved_function(here):
     toy.write(here / "90_toy.ipynb", toy.CLAMP, "def mean_of_positive(values):\n    return 0.0")
     panel = drive()
     panel.forward(0.1)
     said = panel.summary()
     assert "not yet: distances, because mean_of_positive of lesson 90 does not pass its check yet" in said
     assert "Walk 0.10 m ahead: done." in said and panel.error is None
+    toy.write(here / "90_toy.ipynb", *toy.SOLUTION)
+    said = "clamp of this notebook does not pass its check, so the saved version is used"
+    assert said in drive(clamp=lambda x, low, high: x).summary()
+    assert said not in drive(clamp=clamp).summary()
 
 
-def test_a_later_stage_waits_for_the_one_that_it_needs_and_may_use_functions_of_earlier_lessons(here, stage):
+def test_a_later_stage_waits_for_the_one_that_it_needs_and_not_for_one_that_helps(here, stage):
     toy.write(here / "90_toy.ipynb", toy.CLAMP)
     later = Stage("map", "90_toy", ("clamp",), stage.wire, after=("distances",))
     found = stages.readiness([stage, later], {}, here)
@@ -92,6 +74,13 @@ def test_a_later_stage_waits_for_the_one_that_it_needs_and_may_use_functions_of_
     assert stages.readiness([stage, later], {}, here).stages == (stage, later)
     later = Stage("map", "91_other", ("90:clamp",), stage.wire)
     assert list(stages.readiness([later], {}, here).functions) == ["clamp"]
+    toy.write(here / "90_toy.ipynb", toy.CLAMP)
+    helped = replace(stage, uses=("clamp",), helped_by=("mean_of_positive",))
+    found = stages.add_ready(stages.Readiness(), helped, {}, here)
+    assert found.stages == (helped,) and list(found.functions) == ["clamp"] and not found.missing
+    assert found.remarks == (
+        "distances runs without mean_of_positive, because mean_of_positive of lesson 90 is not written yet",
+    )
 
 
 def test_the_robot_of_a_lesson_leaves_later_lessons_out_and_says_so(here, stage, monkeypatch):

@@ -18,20 +18,21 @@ def real(lesson, monkeypatch):
     monkeypatch.setattr(stages, "lessons", LESSONS)
 
 
-def test_each_lessons_stage_is_found_by_its_folder_and_is_planned():
+def test_each_lessons_stage_is_planned_uses_exercises_that_there_are_and_comes_after_those_that_it_needs():
     found = stages.all_stages()
     assert [each.lesson for each in found][:1] == ["01_hsl_filtering"]
     for each in found:
         assert stages.PLANNED[number_of(each.lesson)] == each.name
-
-
-def test_stages_use_exercises_that_there_are_and_come_after_those_that_they_need():
     before = set()
     for each in stages.all_stages():
         names = {exercise.name for exercise in READ(each.lesson).exercises}
         assert {use for use in each.uses if ":" not in use} <= names
         assert set(each.after) <= before
         before.add(each.name)
+    (labels, *_) = stages.all_stages()
+    assert stages.next_planned([]) == ("01", "labels")
+    assert stages.next_planned([labels]) == ("02", "goal posts")
+    assert exercises.lesson is checking.lesson  # what a set-up cell calls stays light: no panel comes with it
 
 
 def test_a_lessons_robot_shows_the_result_of_its_own_stage_whatever_is_solved():
@@ -51,10 +52,3 @@ def test_each_lesson_shows_the_robot_of_its_own_stage():
     for path in SOLUTIONS.glob("*.md"):
         arguments = re.findall(r"^my_nao\((.*)\)$", path.read_text(encoding="utf-8"), re.MULTILINE)
         assert all(each.endswith(f'upto="{number_of(path.stem)}"') for each in arguments), path.name
-
-
-def test_what_comes_next_is_the_first_that_is_not_ready():
-    (labels, *_) = stages.all_stages()
-    assert stages.next_planned([]) == ("01", "labels")
-    assert stages.next_planned([labels]) == ("02", "goal posts")
-    assert exercises.lesson is checking.lesson  # what a set-up cell calls stays light: no panel comes with it

@@ -40,43 +40,34 @@ def shown(student_cell, solved_cell):
 
 def test_a_figure_is_shown_where_the_cells_are_the_same():
     named = PICTURE.replace("<img ", '<img class="nao-figure" ')
-    assert shown(cell(), cell(outputs=[output(named)]))[0]["data"] == {"text/html": named}
     around = '<span class="nao-around" style="clip-path: polygon(evenodd, 0.00% 9.50%)"></span>'
-    photos = f'<div class="nao-photos">{PICTURE}{around}</div>'
-    assert shown(cell(), cell(outputs=[output(photos)]))[0]["data"] == {"text/html": photos}
-    [found] = shown(cell(), cell(outputs=[output(PICTURE)]))
-    assert found == {"output_type": "display_data", "data": {"text/html": PICTURE}, "metadata": {}}
+    for text in (named, f'<div class="nao-photos">{PICTURE}{around}</div>', PICTURE):
+        [found] = shown(cell(), cell(outputs=[output(text)]))
+        assert found == {"output_type": "display_data", "data": {"text/html": text}, "metadata": {}}
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
+def test_nothing_but_the_picture_is_taken_from_an_output():
+    stream = {"output_type": "stream", "name": "stdout", "text": SECRET}
+    for text in (
         f"<pre>{SECRET}</pre>{PICTURE}",
         f"{PICTURE}<!-- {SECRET} -->",
         f'<table><tr><td>{SECRET}</td></tr></table><div title="{SECRET}">{PICTURE}</div>',
         f"{PICTURE}<script>{SECRET}</script>",
-    ],
-)
-def test_nothing_but_the_picture_is_taken_from_an_output(text):
-    stream = {"output_type": "stream", "name": "stdout", "text": SECRET}
-    found = shown(cell(), cell(outputs=[output(text), stream]))
-    assert PICTURE in json.dumps(found).replace("\\", "") and SECRET not in json.dumps(found)
+    ):
+        found = shown(cell(), cell(outputs=[output(text), stream]))
+        assert PICTURE in json.dumps(found).replace("\\", "") and SECRET not in json.dumps(found)
 
 
-@pytest.mark.parametrize(
-    "pair",
-    [
-        (cell("draw(predict)"), cell(SECRET, outputs=[output(PICTURE)])),
-        (cell(role="exercise"), cell(role="exercise", outputs=[output(PICTURE)])),
-        (cell(role="check"), cell(role="check", outputs=[output(PICTURE)])),
-        (cell(nbgrader={"solution": True}), cell(outputs=[output(PICTURE)])),
+def test_a_cell_that_may_hold_a_solution_shows_nothing():
+    drawn = [output(PICTURE)]
+    for pair in (
+        (cell("draw(predict)"), cell(SECRET, outputs=drawn)),
+        *((cell(role=role), cell(role=role, outputs=drawn)) for role in ("exercise", "check")),
+        (cell(nbgrader={"solution": True}), cell(outputs=drawn)),
         (cell(), cell(outputs=[output(f"<b>{SECRET}</b>")])),
         (cell(), cell(outputs=[{"output_type": "error", "evalue": SECRET, "traceback": [SECRET]}])),
-    ],
-    ids=["another source", "exercise", "check", "solution", "no picture", "error"],
-)
-def test_a_cell_that_may_hold_a_solution_shows_nothing(pair):
-    assert shown(*pair) == []
+    ):
+        assert shown(*pair) == [], pair
 
 
 @pytest.mark.parametrize("lesson", sorted(path.stem for path in (PROJECT / "notebooks").glob("[0-9]*.ipynb")))

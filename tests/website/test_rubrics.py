@@ -8,8 +8,6 @@ LESSON = Lesson("02_posts", "Posts", "You find them.", "", "NumPy", 90, 0, 5, 2,
 
 
 def test_a_question_stands_below_its_lesson_with_its_points_and_its_rubric():
-    page = rubrics_page(
-        [(LESSON, Written("why", points=2, question="Why?", rubric="1 point: so. 1 point: else."))]
-    )
+    page = rubrics_page([(LESSON, Written("why", points=2, question="Why?", rubric="1 point: so. 1: else."))])
     assert page.startswith("# ")
-    assert "\n## 02 Posts, 2 points\n\nWhy?\n\n> 1 point: so. 1 point: else.\n" in page
+    assert "\n## 02 Posts, 2 points\n\nWhy?\n\n> 1 point: so. 1: else.\n" in page

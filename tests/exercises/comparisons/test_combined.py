@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
@@ -51,11 +50,8 @@ def test_a_law_judges_by_the_inputs_alone(n, seed):
     assert law.judge(case, np.linalg.solve(information, -b))
     wrong = law.judge(case, np.linalg.solve(information, -b) + 0.1)
     assert wrong.kind == "law" and wrong.text == "H times your delta is not -b"
-
-
-@pytest.mark.parametrize(("answer", "kind"), [(None, "nothing"), ("x", "type"), ([1, [2]], "type")])
-def test_what_a_law_can_do_nothing_with_is_no_answer(answer, kind):
-    assert Property(solves).judge(Case((np.eye(2), np.ones(2))), answer).kind == kind
+    for answer, kind in ((None, "nothing"), ("x", "type"), ([1, [2]], "type")):
+        assert law.judge(case, answer).kind == kind
 
 
 @register
@@ -63,50 +59,40 @@ def follows(args, kwargs, answer):
     return "" if answer > args[0] else "it is not above what went in"
 
 
-@pytest.mark.parametrize(
-    "law", [All((Property(follows),)), Each((Property(follows),)), Unordered(Property(follows))]
-)
-def test_a_law_sees_the_inputs_also_within_another_comparison(law):
-    case = Case((10.0,), expected=11.0 if isinstance(law, All) else (11.0,))
-    right, wrong = (12.0, 9.0) if isinstance(law, All) else ((12.0,), (9.0,))
-    assert law.judge(case, right)
-    assert not law.judge(case, wrong)
+def test_a_law_sees_the_inputs_also_within_another_comparison_and_cannot_change_the_case():
+    for law in [All((Property(follows),)), Each((Property(follows),)), Unordered(Property(follows))]:
+        case = Case((10.0,), expected=11.0 if isinstance(law, All) else (11.0,))
+        right, wrong = (12.0, 9.0) if isinstance(law, All) else ((12.0,), (9.0,))
+        assert law.judge(case, right)
+        assert not law.judge(case, wrong)
 
-
-@pytest.mark.parametrize(
-    "answer",
-    [
-        np.zeros((10**5, 1)),  # compared with its transpose: 10^10 elements
-        [np.zeros((10**5, 1))],
-        {"a": "x" * 10**5},
-        sparse.coo_array((10**5, 10**5)),
-    ],
-    ids=lambda value: type(value).__name__,
-)
-def test_a_law_is_not_asked_about_an_answer_far_larger_than_the_references(answer):
-    def unasked(args, kwargs, answer):
-        raise AssertionError
-
-    case = Case((), expected=np.eye(3))
-    assert "far too many" in Property(unasked).judge(case, answer).text
-    assert Property(symmetric).judge(case, np.eye(9))
-
-
-def test_a_law_cannot_change_the_case_and_gets_an_array_where_the_answer_is_lists():
     def greedy(args, kwargs, answer):
         args[0][:] = 0
         return ""
 
     case = Case((np.ones(2),))
-    assert Property(greedy).judge(case, 1.0)
-    assert case.args[0].tolist() == [1, 1]
-    case = Case((), expected=np.eye(2))
-    assert Property(symmetric).judge(case, [[1.0, 2.0], [2.0, 1.0]])
-    assert Property(symmetric).judge(case, ([1.0, 2.0], [3.0, 1.0])).kind == "law"
-    assert Property(symmetric).judge(case, [[1.0, 2.0], [2.0]]).kind == "type"
+    assert Property(greedy).judge(case, 1.0) and case.args[0].tolist() == [1, 1]
+    law, case = Property(symmetric), Case((), expected=np.eye(2))
+    assert law.judge(case, [[1.0, 2.0], [2.0, 1.0]])
+    assert law.judge(case, ([1.0, 2.0], [3.0, 1.0])).kind == "law"
+    assert law.judge(case, [[1.0, 2.0], [2.0]]).kind == "type"
 
 
-def test_all_comparisons_count_and_the_first_that_fails_is_told():
+LARGE = np.zeros((10**5, 1))  # compared with its transpose: 10^10 elements
+
+
+def test_a_law_is_not_asked_about_an_answer_far_larger_than_the_references():
+    for answer in [LARGE, [LARGE], {"a": "x" * 10**5}, sparse.coo_array((10**5, 10**5))]:
+
+        def unasked(args, kwargs, answer):
+            raise AssertionError
+
+        case = Case((), expected=np.eye(3))
+        assert "far too many" in Property(unasked).judge(case, answer).text
+        assert Property(symmetric).judge(case, np.eye(9))
+
+
+def test_all_comparisons_count_the_first_that_fails_is_told_and_they_travel_with_the_check_data():
     both = All((Close(mask="upper"), Property(symmetric)))
     wanted = np.array([[2.0, 1.0], [1.0, 3.0]])
     assert both.compare(wanted, wanted)
@@ -121,6 +107,12 @@ def test_all_comparisons_count_and_the_first_that_fails_is_told():
     case = Case((), expected=(0.0, 1.0))
     assert All((Property(symmetric), Between())).expects(case, 0.5) == (0.0, 1.0)
     assert All((Close(), Exact())).expects(case, 0.5) == 0.5
+    for comparison in (
+        All((Close(mask="upper"), Property(solves))),
+        Each((Close(rtol=(0.1, 0.2)), Unordered())),
+        Close(mask=((True, False), (False, True)), period=(0.0, 6.28)),
+    ):
+        assert decode(encode(comparison)) == comparison
 
 
 @given(st.lists(numbers, min_size=1, max_size=5), st.data())
@@ -166,39 +158,17 @@ def test_an_order_that_does_not_matter_does_not(points, random):
         assert not law.compare(points, [*shuffled[1:], (500.0, 0.0)])
 
 
-def test_as_few_as_can_be_are_without_a_partner():
+def test_as_few_as_can_be_are_without_a_partner_and_another_kind_of_collection_is_told():
     law = Unordered(Close(rtol=0.0, atol=1.0))
     assert law.compare([0.0, 0.9], [1.8, 0.8])  # the nearest partner would leave 1.8 for 0.0
-    assert law.compare([0.0, 10.0, 20.0], [20.0, 3.0, 0.0]).text == (
-        "1 of 3 values of your answer match no expected value"
-    )
+    assert "1 of 3 values of your answer match no" in law.compare([0.0, 10.0, 20.0], [20.0, 3.0, 0.0]).text
     assert law.compare([1.0, 1.0], [1.0, 2.5]).kind == "value"
-
-
-@pytest.mark.parametrize(
-    ("expected", "got", "kind"),
-    [
+    for expected, got, kind in [
         ([1.0], None, "nothing"),
-        ([1.0], {"a": 1.0}, "type"),
-        ({1: 1.0}, [1.0], "type"),
+        *(([1.0], {"a": 1.0}, "type"), ({1: 1.0}, [1.0], "type")),
         (np.zeros((2, 3)), np.zeros((2, 2)), "shape"),
-        (np.zeros((2, 3)), np.zeros((3, 3)), "value"),
-        ([1.0], [nan], "value"),
-        ([], [], "right"),
+        *((np.zeros((2, 3)), np.zeros((3, 3)), "value"), ([1.0], [nan], "value")),
         ([Line(1.0, "a"), Line(2.0, "b")], [Line(2.0, "a"), Line(1.0, "b")], "value"),
-    ],
-)
-def test_what_is_no_collection_of_the_kind_is_told(expected, got, kind):
-    assert Unordered(Close()).compare(expected, got).kind == kind
-
-
-@pytest.mark.parametrize(
-    "comparison",
-    [
-        All((Close(mask="upper"), Property(solves))),
-        Each((Close(rtol=(0.1, 0.2)), Unordered())),
-        Close(mask=((True, False), (False, True)), period=(0.0, 6.28)),
-    ],
-)
-def test_a_comparison_travels_with_the_check_data(comparison):
-    assert decode(encode(comparison)) == comparison
+        ([], [], "right"),
+    ]:
+        assert Unordered(Close()).compare(expected, got).kind == kind

@@ -60,9 +60,8 @@ def test_the_right_one_is_right_and_wrong_entries_are_named_in_reading_order():
         LAW.faults(answer(MODEL, RIGHT[:, :2]))
 
 
-@pytest.mark.parametrize(
-    ("derived", "text"),
-    [
+def test_the_wrong_entry_and_the_likely_slip_are_named():
+    for derived, text in [
         (
             changed(0, 2, d * sin(theta)),
             "row 1, column 3 (by theta) of your Jacobian is not the derivative of your own model: its sign",
@@ -76,24 +75,20 @@ def test_the_right_one_is_right_and_wrong_entries_are_named_in_reading_order():
         (changed(0, 0, sympy.zoo), "row 1, column 1"),
         (RIGHT.T, "transposed: rows belong to the model"),
         (RIGHT[:2, :], "is 2x3; expected 3x3 for your model"),
-    ],
-)
-def test_the_wrong_entry_and_the_likely_slip_are_named(derived, text):
-    found = verdict(MODEL, derived)
-    assert not found
-    assert text in found.text
+    ]:
+        found = verdict(MODEL, derived)
+        assert not found
+        assert text in found.text
 
 
-def test_a_wrong_model_is_named():
+def test_a_wrong_model_is_named_and_a_mistake_is_told_by_its_jacobian_and_the_model_beside_it():
     assert "is it transposed?" in verdict(MODEL[:2], RIGHT[:2, :].T).text
     other = MODEL.subs(theta, theta + pi / 2)
     assert "your model is not the model of the exercise" in verdict(other, other.jacobian([x, y, theta])).text
     assert "not a number" in verdict(MODEL + Matrix([sqrt(-1 - x**2), 0, 0]), RIGHT).text
     with pytest.raises(ValueError, match="contain the symbols phi; expected only x, y, theta, d"):
         answer(MODEL + Matrix([sympy.Symbol("phi"), 0, 0]), RIGHT)
-
-
-def test_a_mistake_is_told_by_its_jacobian_and_by_the_model_beside_it():
+    assert "the model first" in LAW.compare(answer(MODEL, RIGHT), gathered(RIGHT, MODEL)).text
     other = MODEL.subs(theta, theta + pi / 2)
     slip = answer(MODEL, other.jacobian([x, y, theta]))
     assert LAW.alike(slip, slip)
@@ -130,20 +125,16 @@ def of_zeros(shape, terms):
     return {"jacobian": np.zeros(shape), "differences": np.zeros(shape), "terms": terms}
 
 
-@pytest.mark.parametrize(
-    "got",
-    [
+def test_what_a_stranger_sends_is_wrong_and_nothing_worse():
+    for got in [
         None,
-        {},
         {"jacobian": 1, "differences": 2, "terms": 3},
         of_zeros((1, 3, 3), [np.zeros((1, 1))]),
         of_zeros((1, 1, 9), [np.zeros((1, 1))] * 9),
         of_zeros((0, 3, 3), [np.zeros((1, 0))] * 9),
         of_zeros((1, 3, 3), [np.zeros((1, 1))] * 9),
-    ],
-)
-def test_what_a_stranger_sends_is_wrong_and_nothing_worse(got):
-    assert not LAW.compare(answer(MODEL, RIGHT), got)
+    ]:
+        assert not LAW.compare(answer(MODEL, RIGHT), got)
 
 
 def test_the_points_stay_where_the_judging_is_and_numbers_are_no_expressions():
@@ -189,23 +180,23 @@ def test_steps_that_make_no_sense_are_no_answer(forged):
 
 
 def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
-    def mistake(derived):
-        return lambda: (MODEL, derived)
+    def mistake(name, derived, message):
+        return Mistake(name, lambda: (MODEL, derived), message)
 
     exercise = Exercise(
-        name="toy_jacobian",
-        points=1,
-        driver="jacobian",
-        comparison=LAW,
-        public=lambda: [Case((points(), BY), "eight points")],
-        hidden=lambda rng: [Case((points(int(rng.integers(99))), BY))],
-        hints=("a", "b"),
-        mistakes=[
-            Mistake("heading", mistake(changed(0, 2, d * sin(theta))), "The slope is minus the sine."),
-            Mistake("transposed", mistake(RIGHT.T), "Rows first."),
-            Mistake("other model", mistake(RIGHT), "not told"),
+        "toy_jacobian",
+        1,
+        lambda: [Case((points(), BY), "eight points")],
+        lambda rng: [Case((points(int(rng.integers(99))), BY))],
+        ("a", "b"),
+        [
+            mistake("heading", changed(0, 2, d * sin(theta)), "The slope is minus the sine."),
+            mistake("transposed", RIGHT.T, "Rows first."),
+            mistake("other model", RIGHT, "not told"),
         ],
-        alternatives={},
+        {},
+        comparison=LAW,
+        driver="jacobian",
     )
     public = publish_exercise("5.1", exercise, lambda: (MODEL, RIGHT))
     assert grade_public(public, lambda: (MODEL, RIGHT))
@@ -218,9 +209,8 @@ def test_an_exercise_of_it_recognises_its_mistakes_and_says_nothing_else():
 
     assert grade_public(public, blank).state == "not attempted"
     assert call(lambda: (MODEL, "no matrix"), Case((points(), BY)), "jacobian").status == "raised"
-    assert "your answer is None" in repr(grade_public(public, lambda: None))
-    for other in (3, RIGHT, (MODEL,)):
-        assert "return (model, jacobian)" in repr(grade_public(public, lambda other=other: other))
+    for other, said in ((None, "your answer is None"), (3, "return (model, jacobian)"), (RIGHT, "return (")):
+        assert said in repr(grade_public(public, lambda other=other: other))
 
 
 @pytest.mark.filterwarnings("error")
@@ -268,19 +258,19 @@ WIDE = {n: sympy.Rational(*each) for n, each in enumerate(((4, 5), (-1, 5), (4, 
     [
         quotients(MODEL, 1e-6),
         quotients(MODEL, sympy.Rational(1, 10**5)),
-        quotients(MODEL, sympy.Rational(1, 10**7)),
         quotients(MODEL, sympy.Rational(1, 100), WIDE),  # its error is 1e-17, less than that of a float
-        changed(
-            0, 2, -d * (sin(theta + 1e-6) - sin(theta - 1e-6)) / 2e-6 * 0 - 0.9999999999 * d * sin(theta)
-        ),
+        changed(0, 2, -0.9999999999 * d * sin(theta)),
         changed(0, 2, d * sympy.im(cos(theta + sympy.I * sympy.Rational(1, 10**6))) * 10**6),
     ],
-    ids=["float step", "exact step", "small step", "eighth order", "rounded", "complex step"],
+    ids=["float step", "exact step", "eighth order", "rounded", "complex step"],
 )
 def test_a_difference_quotient_is_not_a_derivative(derived):
     assert verdict(MODEL, derived), "with floats it is as good as the derivative"
     said = LAW.compare(answer(MODEL, RIGHT), gathered(MODEL, derived))
     assert not said and "A difference quotient is not a derivative" in said.text
+
+
+GRIDDED = quotients(MODEL, 1e-6).subs(GRID)
 
 
 @pytest.mark.parametrize(
@@ -290,16 +280,15 @@ def test_a_difference_quotient_is_not_a_derivative(derived):
         (MODEL, small(sympy.cbrt(EPSILON))),
         (MODEL, small(sympy.Pow(EPSILON, sympy.Rational(1, 9)) / 10, WIDE)),
         (MODEL * (1 - PRECISE), quotients(MODEL, 1e-5) * (1 - PRECISE)),
-        (
-            MODEL.subs(GRID)
-            + quotients(MODEL, 1e-6).subs(GRID) * Matrix([each - GRID[each] for each in GRID]),
-            quotients(MODEL, 1e-6).subs(GRID),
-        ),
+        (MODEL.subs(GRID) + GRIDDED * Matrix([each - GRID[each] for each in GRID]), GRIDDED),
     ],
     ids=["two steps", "step of the precision", "of eighth order", "two models", "on a grid"],
 )
 def test_an_answer_gains_nothing_by_the_precision_that_it_is_computed_with(model, derived):
     assert not gathered(model, derived)["exact"].all()
+
+
+EXP = Matrix([0, 0, sympy.exp(x / 7)])
 
 
 @pytest.mark.parametrize(
@@ -309,21 +298,12 @@ def test_an_answer_gains_nothing_by_the_precision_that_it_is_computed_with(model
         (MODEL, changed(0, 2, -d * sqrt(1 - cos(theta) ** 2) * sympy.sign(sin(theta)))),
         (MODEL, changed(0, 2, d * cos(theta + pi / 2))),
         (MODEL, changed(0, 2, d * sympy.Add(cos(theta), -sin(theta) - cos(theta), evaluate=False))),
-        (MODEL, MODEL.diff(x).row_join(MODEL.diff(y)).row_join(MODEL.diff(theta))),
-        (MODEL + Matrix([0, 0, x**3 / 3]), RIGHT + Matrix([[0, 0, 0], [0, 0, 0], [x**2, 0, 0]])),
-        (
-            MODEL + Matrix([0, 0, sympy.exp(x / 7)]),
-            (MODEL + Matrix([0, 0, sympy.exp(x / 7)])).jacobian([x, y, theta]),
-        ),
+        (MODEL + EXP, (MODEL + EXP).jacobian([x, y, theta])),
         (MODEL + Matrix([0, 0, sympy.Max(x, -9)]), RIGHT + Matrix([[0, 0, 0], [0, 0, 0], [1, 0, 0]])),
     ],
 )
 def test_a_derivative_is_exact_in_whatever_form_it_is_written(model, derived):
     assert gathered(model, derived)["exact"].all()
-
-
-def test_model_and_jacobian_in_the_wrong_order_are_named():
-    assert "the model first" in LAW.compare(answer(MODEL, RIGHT), gathered(RIGHT, MODEL)).text
 
 
 @pytest.mark.slow

@@ -21,27 +21,22 @@ def sample(values, n_samples, rng):
     return values.ravel()[rng.integers(0, values.size, n_samples)].mean()
 
 
-@pytest.mark.parametrize(
-    ("function", "said"),
-    [
-        (
-            lambda v, n, rng: np.random.default_rng().choice(v.ravel(), n).mean(),
-            "the same rng gave two different",
-        ),
+def test_a_random_sample_is_judged_by_its_law_and_is_like_another_of_its_kind():
+    for function, said in [
+        (lambda v, n, rng: own(v, n, rng), "the same rng gave two different"),
         (lambda v, n, rng: v.mean(), "for every rng"),
-        (
-            lambda v, n, rng: v.ravel()[np.random.default_rng(7).integers(0, v.size, n)].mean(),
-            "for every rng",
-        ),
+        (lambda v, n, rng: sample(v, n, np.random.default_rng(7)), "for every rng"),
         (lambda v, n, rng: rng.choice(v.ravel()), "the scatter of your answers"),
         (lambda v, n, rng: 2 * sample(v, n, rng), "the mean of your answers"),
         (lambda v, n, rng: None, "a return may be missing"),
         (lambda v, n, rng: [sample(v, n, rng)], "a list, not one number"),
         (lambda v, n, rng: True, "your answer is a bool, not one number"),
-    ],
-)
-def test_a_random_sample_is_judged_by_its_law(function, said):
-    assert said in LAW.compare(law(sample), law(function)).text
+    ]:
+        assert said in LAW.compare(law(sample), law(function)).text
+    assert LAW.alike(law(own), law(own))
+    assert not LAW.alike(law(own), law(sample))
+    nothing = law(lambda *_: None)
+    assert LAW.alike(nothing, nothing) and not LAW.alike(nothing, law(sample))
 
 
 def test_noise_of_the_right_size_around_the_mean_is_not_a_sample_and_another_way_to_draw_it_is():
@@ -61,17 +56,11 @@ def test_noise_of_the_right_size_around_the_mean_is_not_a_sample_and_another_way
         assert LAW.compare(law(sample), law(right))
 
 
-def test_a_sample_of_one_kind_is_like_another_of_its_kind():
-    def own(v, n, rng):
-        return np.random.default_rng().choice(v.ravel(), n).mean()
-
-    assert LAW.alike(law(own), law(own))
-    assert not LAW.alike(law(own), law(sample))
-    nothing = law(lambda *_: None)
-    assert LAW.alike(nothing, nothing) and not LAW.alike(nothing, law(sample))
+def own(v, n, rng):
+    return np.random.default_rng().choice(v.ravel(), n).mean()
 
 
-def test_each_call_has_a_generator_and_inputs_of_its_own_and_the_first_come_again():
+def test_each_call_has_the_generator_of_its_seed_and_inputs_of_its_own_and_the_first_come_again():
     (asked,) = LAW.calls(Case((VALUES, 40, 30)))
     drawn = each_seed(lambda values, n_samples, rng: rng.random(), *asked.args)
     assert len(drawn) == 38 and list(drawn[30:]) == list(drawn[:8])
@@ -85,18 +74,13 @@ def test_each_call_has_a_generator_and_inputs_of_its_own_and_the_first_come_agai
     assert list(each_seed(greedy, VALUES, 40, [1, 2, 3])) == [1.0, 1.0, 1.0]
     case = Case((VALUES, 300), kwargs={"scale": 2.0})
     assert all(each.kwargs == {"scale": 2.0} for each in LAW.calls(case))
-
-
-def test_the_generator_of_a_call_is_the_one_that_its_seed_makes_in_numpy():
     seeds = [0, 7, 279, 7]
     made = each_seed(lambda values, n_samples, rng: [rng], VALUES, 40, seeds)
     for seed, (rng,) in zip(seeds, made, strict=True):
         usual = np.random.default_rng(seed)
         assert rng.bit_generator.state == usual.bit_generator.state
-        for one, other in zip(
-            (*rng.spawn(2), *rng.spawn(1)), (*usual.spawn(2), *usual.spawn(1)), strict=True
-        ):
-            assert (one.random(3) == other.random(3)).all()
+        for a, b in zip((*rng.spawn(2), *rng.spawn(1)), (*usual.spawn(2), *usual.spawn(1)), strict=True):
+            assert (a.random(3) == b.random(3)).all()
 
 
 FORGED = law(sample)

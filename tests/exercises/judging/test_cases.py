@@ -4,7 +4,6 @@ import subprocess
 import sys
 
 import numpy as np
-import pytest
 
 from nao_course.exercises import judging
 from nao_course.exercises.case import Case
@@ -30,37 +29,25 @@ class OwnError(ValueError):
     pass
 
 
-def raising(error):
-    def function(value):
-        raise error
-
-    return function
-
-
-def judged(function):
-    case = Case((-1.0,), "negative", raises="ValueError")
-    return judging.judge(Close(), case, call(function, case))
-
-
-@pytest.mark.parametrize(
-    "error", [ValueError, ValueError("no"), OwnError("no"), SpecialError("no"), np.linalg.LinAlgError("no")]
-)
-def test_an_exception_that_is_asked_for_is_right_also_one_derived_from_it(error):
-    assert judged(raising(error))
-
-
-@pytest.mark.parametrize(
-    "error", [KeyError("no"), Exception("ValueError"), KeyboardInterrupt, NotImplementedError]
-)
-def test_another_exception_is_not(error):
-    assert judged(raising(error)) is None
+RIGHT = [ValueError, ValueError("no"), OwnError("no"), SpecialError("no"), np.linalg.LinAlgError("no")]
 
 
 def exercise(comparison, *cases):
     return PublicExercise("f", "90.1", 1.0, 1, comparison, list(cases), [], ["a", "b"], "")
 
 
-def test_a_check_says_what_came_instead_of_the_exception():
+WRONG = [KeyError("no"), Exception("ValueError"), KeyboardInterrupt, NotImplementedError]
+
+
+def test_an_exception_that_is_asked_for_is_right_and_a_check_says_what_came_instead():
+    for error in [*RIGHT, *WRONG]:
+
+        def function(value, error=error):
+            raise error
+
+        case = Case((-1.0,), "negative", raises="ValueError")
+        verdict = judging.judge(Close(), case, call(function, case))
+        assert verdict if error in RIGHT else verdict is None
     asked = exercise(Close(), Case((1.0,), expected=1.0), Case((-1.0,), "negative", raises="ValueError"))
 
     def right(value):
@@ -72,8 +59,7 @@ def test_a_check_says_what_came_instead_of_the_exception():
     said = repr(grade_public(asked, lambda value: value))
     assert "No exception (negative): your function returns a float, but it should raise ValueError" in said
     said = repr(grade_public(asked, lambda value: {1.0: 1.0}[value]))
-    assert "your function raises KeyError: -1.0 (negative)" in said
-    assert "In this case your function should raise ValueError" in said
+    assert "KeyError: -1.0 (negative)" in said and "your function should raise ValueError" in said
 
 
 def test_check_data_of_the_worlds_values_is_read_back_also_by_a_process_that_has_not_imported_them():
@@ -84,12 +70,10 @@ def test_check_data_of_the_worlds_values_is_read_back_also_by_a_process_that_has
     case = Case(({3: Pose(1.0, 2.0, 3.0)}, [Measurement(0.1, 2.0)]), expected=(Pose(1.0, 2.0, 3.0), 2.0))
     data = pack(PublicLesson("90_toy", [exercise(comparison, case)], []))
     lesson = unpack(data)
-    assert grade_public(lesson.exercises[0], lambda poses, seen: (poses[3], seen[0].range + 0.4))
-    assert not grade_public(lesson.exercises[0], lambda poses, seen: (poses[3], seen[0].range + 0.6))
-    assert not grade_public(lesson.exercises[0], lambda poses, seen: (Pose(), seen[0].range))
-    code = (
-        "import sys; from nao_course.exercises.checking import unpack; print(unpack(sys.stdin.buffer.read()))"
-    )
+    for pose, more, right in ((None, 0.4, True), (None, 0.6, False), (Pose(), 0.0, False)):
+        function = lambda poses, seen, pose=pose, more=more: (pose or poses[3], seen[0].range + more)  # noqa: E731
+        assert bool(grade_public(lesson.exercises[0], function)) is right
+    code = "import sys; from nao_course.exercises.checking import unpack; print(unpack(open(0, 'rb').read()))"
     run = subprocess.run([sys.executable, "-c", code], input=data, capture_output=True, check=True)
     assert b"Pose(x=1.00" in run.stdout
 
