@@ -473,7 +473,9 @@ def marks(
     ),
     anonymous: bool = typer.Option(False, "--anonymous", help="Write sheets with codes instead of names."),
     worlds: Path | None = typer.Option(
-        None, help="CSV file with columns student and world: the names in students' copies, if they differ."
+        None,
+        help="Names in students' copies, if they differ: a CSV file with columns student and world, or the platform's "
+        "sheet that release was given.",
     ),
 ) -> None:
     """Write sheets for marking the written answers, or read a completed sheet (instructors)."""

@@ -148,11 +148,12 @@ def keep_points(grades: Path, student: str, exercise: str, reason: str) -> Itera
     if not reason.strip():
         raise ValueError("say why with --reason: the journal keeps it, and the student reads it")
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
-        student = journal.roster().meant(student) or student
         answered = [
             result
-            for result in journal.each_result(student=student)
-            if journal.answer(student, result.lesson, exercise, reason.strip(), result.answer_to(exercise))
+            for result in journal.each_result(student=journal.roster().meant(student) or "")
+            if journal.answer(
+                result.student, result.lesson, exercise, reason.strip(), result.answer_to(exercise)
+            )
         ]
         if not answered:
             raise ValueError(f"there is no open request of {student!r} about {exercise!r}")

@@ -41,7 +41,7 @@ from nao_course.instructor.feedback_pages import FEEDBACK, write_pages
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import Override, SubmissionResult
 from nao_course.instructor.gradebook.scores import all_scores
-from nao_course.instructor.personal_numbers import PersonalNumbers, read_worlds
+from nao_course.instructor.personal_numbers import PersonalNumbers
 from nao_course.instructor.reports import exports, marking_sheets, platforms
 from nao_course.instructor.reports.feedback import feedback_page
 from nao_course.instructor.reports.html import write_whole
@@ -90,7 +90,7 @@ def grade_folder(
         waiting = submission_times.with_sheet(waiting, given, roster)
         if dry_run:
             _show_found(console, found, submission_times.in_words(waiting))
-            _list(console, [("WHO IS THIS? (not graded)", found.asked), ("NOT GRADED", found.not_graded)])
+            _list(console, _not_counted(found))
             console.print("Nothing was graded or written.")
         else:
             _refuse_what_is_not_built(course, names)
@@ -229,15 +229,7 @@ def _show_found(console: Console, found: Gathered, times: str) -> None:
     for line in (*([around] if found.wrapper else ()), *found.recognised, times):
         console.print(line, markup=False, highlight=False, soft_wrap=True)
     new = "New students (if one is known under another name: nao-course students GRADES --same NAME STUDENT)"
-    _list(
-        console,
-        [
-            ("The same student by name", found.by_name),
-            (new, found.new),
-            ("An older notebook counts", found.older),
-            ("Left out", found.unknown[len(found.not_graded) :]),
-        ],
-    )
+    _list(console, [("The same student by name", found.by_name), (new, found.new)])
 
 
 def _list(console: Console, titled: Iterable[tuple[str, Sequence[str]]]) -> None:
@@ -275,16 +267,26 @@ def _show(
         [
             ("Refused", reasons),
             ("NEEDS A DECISION (look at the answer, then nao-course regrade --set)", summary.undecided),
-            ("An older result counts", summary.kept),
+            *_not_counted(found, summary)[:2],
             ("Too slow, or not run", summary.too_slow),
             ("Seen by the sandbox", summary.attempts),
             ("Decisions on earlier answers", changed),
             ("NO TIME, so nothing is late", untimed),
             ("FAILED for one student", journal.problems),
-            ("WHO IS THIS? (not graded)", found.asked),
-            ("NOT GRADED", (*summary.failed, *found.not_graded)),
+            *_not_counted(found, summary)[2:],
         ],
     )
+
+
+def _not_counted(found: Gathered, summary: Summary | None = None) -> list[tuple[str, Sequence[str]]]:
+    """Return lists of what does not count, each with its title: the last two are a reason to look."""
+    kept, failed = (summary.kept, summary.failed) if summary else ([], [])
+    return [
+        ("An older notebook or result counts", (*found.older, *kept)),
+        ("Left out", found.unknown[len(found.not_graded) :]),
+        ("WHO IS THIS? (not graded)", found.asked),
+        ("NOT GRADED", (*failed, *found.not_graded)),
+    ]
 
 
 def _versions(written: Counter[tuple[str, str]]) -> Iterator[str]:
@@ -401,8 +403,7 @@ def _handed_in(
 
 def _result_of(journal: Journal, student: str, lesson: str) -> SubmissionResult:
     """Return the only result that matches."""
-    student = journal.roster().meant(student) or student
-    results = list(journal.each_result(student=student))
+    results = list(journal.each_result(student=journal.roster().meant(student) or ""))
     if not results:
         names = {each.student for each in journal.each_result()}
         near = difflib.get_close_matches(student, names, 3)
@@ -547,10 +548,7 @@ def marks(
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if file is None:
-            meant = journal.roster().meant
-            copies = (
-                {meant(name) or name: world for name, world in read_worlds(worlds).items()} if worlds else {}
-            )
+            copies = student_commands.names_in_copies(worlds, journal.roster()) if worlds else {}
             if worlds:
                 yield from without_result(worlds.name, copies, journal)
             yield from _sheets(journal, grades, anonymous, copies)

@@ -9,13 +9,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
+from nao_course._internal.tables import TableError
 from nao_course.instructor import submission_times
 from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.release import read_students
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.collecting.roster import Roster, Student
 from nao_course.instructor.collecting.sheets import Sheet, read_sheet
 from nao_course.instructor.feedback_pages import folder_of, write_pages
 from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.personal_numbers import read_worlds
 from nao_course.instructor.reports.html import write_whole
 from nao_course.instructor.reports.spreadsheets import table
 
@@ -78,6 +81,20 @@ def _record_times(journal: Journal, grades: Path, sheet: Sheet, lesson: str) -> 
         yield f"{lesson}: {say_count(len(changed), 'time')} new or changed"
     elif sheet.times:
         yield "The sheet's times are not used: they are of one lesson, so name it with --lesson."
+
+
+def names_in_copies(path: Path, roster: Roster) -> dict[str, str]:
+    """Return the names in the students' copies by student, from a table of worlds or the sheet that release was given.
+
+    Raise a ValueError if it is neither.
+    """
+    try:
+        worlds = read_worlds(path)
+    except TableError:
+        if not read_sheet(path).platform:
+            raise
+        worlds = {name: name for name in read_students(path)}
+    return {roster.meant(name) or name: world for name, world in worlds.items()}
 
 
 def _list(journal: Journal, grades: Path) -> Iterator[str]:

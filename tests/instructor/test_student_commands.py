@@ -10,9 +10,10 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli
-from nao_course.instructor import commands
+from nao_course.instructor import commands, student_commands
 from nao_course.instructor.autograding.batch import grade_all
 from nao_course.instructor.collecting.files import read
+from nao_course.instructor.collecting.roster import Roster, Student
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult
 from tests.handed_in import answered, packed
@@ -351,3 +352,14 @@ def test_the_sheets_of_a_term_mend_a_journal_in_which_every_moodle_number_was_a_
         run("students", grades, "--sheet", sheet, "--lesson", number)
     table = table_of(grades)
     assert len(table) == 4 and all(row[f"{LESSONS['02']} handed in"] for row in table.values())
+
+
+def test_the_names_in_personal_copies_are_found_by_any_name_and_in_the_sheet_that_release_was_given(tmp_path):
+    known = Roster([Student("Ada", "Ada Kowalski", "ada@uni.example", aliases={"moodle 130000": "01"})])
+    copies = {"Ada": "Ada Kowalski_130000"}
+    moodles = sheet_of(tmp_path, moodles_sheet("01", {0: 0}))
+    assert student_commands.names_in_copies(moodles, known) == copies
+    own = sheet_of(tmp_path, "student,world\nada@uni.example,Ada Kowalski_130000\n")
+    assert student_commands.names_in_copies(own, known) == copies
+    with pytest.raises(ValueError, match="world"):
+        student_commands.names_in_copies(sheet_of(tmp_path, "student,wolrd\nada,x\n"), known)

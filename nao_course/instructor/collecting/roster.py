@@ -277,8 +277,11 @@ class Roster:
 
 @lru_cache(100_000)
 def fold(name: str) -> str:
-    """Return a name without differences of case, white space and composed characters."""
-    return " ".join(unicodedata.normalize("NFKC", clean_name(name)).casefold().split()) if name else ""
+    """Return a name without differences of case, white space and composed characters; empty if it is no text."""
+    try:
+        return " ".join(unicodedata.normalize("NFKC", clean_name(name)).casefold().split()) if name else ""
+    except UnicodeEncodeError:  # half of a character
+        return ""
 
 
 def first_name_first(name: str) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from nao_course._internal.tables import (
@@ -13,7 +14,6 @@ from nao_course._internal.tables import (
     TableError,
     read_rows,
     refuse_doubled_columns,
-    refuse_doubled_numbers,
     unescape_formula,
 )
 from nao_course.instructor.collecting.marks import read_time
@@ -77,7 +77,8 @@ def read_sheet(path: Path, lesson: str = "") -> Sheet:
         )
     used = [header[at] for kind in columns if kind != "aliases" for at in columns[kind]]
     refuse_doubled_columns(path.name, header, used + ([header[number]] if number is not None else []))
-    rows, times, numbers = list[Student](), dict[str, str](), list[tuple[int, str]]()
+    rows, times = list[Student](), dict[str, str]()
+    people = dict[tuple[str, str], int]()
     for line, cells in enumerate(table[1:], start=2):
         full = cells + [""] * (len(header) - len(cells))
         full = [each.removeprefix("#") for each in full]  # Brightspace marks texts so
@@ -105,11 +106,23 @@ def read_sheet(path: Path, lesson: str = "") -> Sheet:
             listed=True,
         )
         rows.append(row)
-        numbers += [(line, digits[1])] if digits else []
+        for kind, value in {"number": digits[1] if digits else "", **said}.items():
+            if kind in ("number", "student", "email", "login"):
+                _refuse_doubled(path.name, kind, value, line, people)
         if time := read_time(said["handed in"]):
             times[key_of(row)] = time
-    refuse_doubled_numbers(path.name, numbers)
-    return Sheet(platform, tuple(rows), times)
+    shared = Counter(alias for row in rows for alias in row.aliases)  # such as "n/a" for everybody
+    unique = [replace(row, aliases={a: n for a, n in row.aliases.items() if shared[a] == 1}) for row in rows]
+    return Sheet(platform, tuple(unique), times)
+
+
+def _refuse_doubled(file: str, kind: str, value: str, line: int, people: dict[tuple[str, str], int]) -> None:
+    """Raise a TableError if an earlier row belongs to the same person."""
+    if value and (first := people.setdefault((kind, value.casefold()), line)) != line:
+        raise TableError(
+            f"{file}, rows {first} and {line}: both have the {kind} {value!r}, and a student has one row. "
+            "Remove one of them"
+        )
 
 
 def key_of(row: Student) -> str:

@@ -102,6 +102,11 @@ def test_the_platforms_sheets_are_read(tmp_path):
     assert read_sheet(sheet_of(tmp_path, german), "01") == sheet
 
 
+def test_an_alias_that_several_rows_have_is_nobodys(tmp_path):
+    rows = read_sheet(sheet_of(tmp_path, "name,student id,aliases\nAda,n/a,\nBen,n/a,b\n")).rows
+    assert [[*each.aliases] for each in rows] == [[], ["b"]]
+
+
 OTHERS = {
     "own": ("Name;Login;Aliases;handed in\nAda Lovelace;ada;adal; 2026-11-20 21:32\n", "", ["adal"]),
     "Brightspace": (
@@ -135,8 +140,9 @@ def test_other_class_lists_are_read(tmp_path, name):
     ("text", "said"),
     [
         ("a,b\n1,2\n", "is not Moodle's grading worksheet"),
-        (MOODLE + MOODLE.splitlines()[1], "both have the number 12"),
+        (MOODLE + MOODLE.splitlines()[1], "both have the number '12'"),
         ("name,name\na,b\n", "there twice"),
+        ("name,email\nAda,a@x\nBen,b@x\nEve,A@x\n", "rows 2 and 4: both have the email 'A@x'"),
         ("", "is not Moodle's"),
     ],
 )
