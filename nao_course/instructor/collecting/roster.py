@@ -120,7 +120,7 @@ class Roster:
         return any(each.listed for each in self.students.values())
 
     def is_known(self, name: str) -> bool:
-        """Return whether a student has this name, login or alias."""
+        """Return whether a student has this name, alias, login or e-mail address."""
         return any(fold(name) in self._by[kind] for kind in ("student", "alias", "login", "email", "name"))
 
     def meant(self, word: str) -> str | None:
@@ -201,7 +201,11 @@ class Roster:
                     return person.identity
             elif len(found) == 1:
                 return next(iter(found))
-        return self.meant(person.identity) if _LAST_NUMBER.search(person.identity) else None
+        if not (number := _LAST_NUMBER.search(person.identity)):
+            return None
+        name, student = fold(person.identity[: number.start()]), self.meant(person.identity)
+        fits = any(student in self._by["name"].get(each, ()) for each in (name, f"canvas {name}"))
+        return student if fits else None
 
     def _is_other(self, student: str, alias: str, lessons: Collection[str], email: str) -> bool:
         """Return whether another number on a platform, or another address, shows that a name is not this student's."""
@@ -267,12 +271,19 @@ class Roster:
         return list(dict.fromkeys(found))
 
     def _key(self, row: Student, here: Mapping[str, int]) -> str:
-        """Return the name in the gradebook of a student who is new."""
+        """Return the name in the gradebook of a student who is new.
+
+        Raise a ValueError if two rows have the same name and nothing else.
+        """
         if row.student:
             return row.student
         if here[fold(row.name)] == 1 and not self._by["student"].get(fold(row.name)):
             return row.name
-        return f"{row.name} ({row.email or row.login or next(iter(row.aliases), '')})"
+        if known := row.email or row.login or next(iter(row.aliases), ""):
+            return f"{row.name} ({known})"
+        raise ValueError(
+            f"the sheet has two students {row.name!r}: give their e-mail addresses or logins, too"
+        )
 
 
 @lru_cache(100_000)

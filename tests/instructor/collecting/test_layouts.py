@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from nao_course.exercises.running import alarm
 from nao_course.instructor.collecting.files import read
 from nao_course.instructor.collecting.layouts import canvas_name, handed_in
-from nao_course.instructor.collecting.marks import read_marks
+from nao_course.instructor.collecting.marks import read_marks, read_time
 from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.collecting.submissions import gather
 from tests.handed_in import HSL, LESSONS, answered, packed, put, who
@@ -229,6 +229,52 @@ def test_the_next_week_has_the_same_students_and_no_guard_stops_a_platforms_own_
         following = packed(tmp_path / "next.zip", {sample.following: answered(1)} | dict(sample.more))
         found = gather(following, tmp_path / str(number), LESSONS, known=Roster.of([sample.student]))
         assert who(found) == [(sample.student, NEXT[:-6])] and not found.wrapper
+
+
+WHEN = {  # by the platform
+    "Brightspace, folders": "2026-11-21 00:01",
+    "Brightspace, flat": "2024-09-25 11:49",
+    "Blackboard, flat": "2024-10-02 22:59",
+    "Blackboard, folders": "2024-10-02 22:59",
+    "Sakai": "2026-11-20 20:15+00:00",
+    "nbgrader, submitted": "2026-11-20 20:15+00:00",
+    "nbgrader, inbound": "2026-11-20 21:46+00:00",
+    "Gradescope": "2026-11-21 08:00+00:00",
+    "ILIAS": "2026-11-21 20:45",
+}
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_the_time_is_the_platforms_and_no_student_writes_it(tmp_path, name):
+    sample = SAMPLES[name]
+    folder = sample.newer.rpartition("/")[0].removesuffix("/Submission attachment(s)")
+    forged = f"{sample.newer.rpartition('/')[0]}/deeper/timestamp.txt"
+    files = {sample.newer: answered(1), f"{folder}/timestamp.txt": b"2026-11-20T20:15:00Z"} | dict(
+        sample.more
+    )
+    found = gather(
+        packed(tmp_path / "in.zip", files | {forged: b"2026-01-01 00:00:00 UTC"}), tmp_path / "s", LESSONS
+    )
+    (made,) = found.submissions
+    assert (made.handed_in, made.timed_by) == (WHEN.get(name, ""), "platform" if name in WHEN else "")
+
+
+@pytest.mark.parametrize(
+    ("text", "time"),
+    [
+        ("Freitag, 20. November 2026, 21:32", "2026-11-20 21:32"),
+        ("viernes, 20 de noviembre de 2026, 21:32", "2026-11-20 21:32"),
+        ("20261120211500000", "2026-11-20 21:15+00:00"),
+        ("2026-11-20 15:58:23.948203 America/Los_Angeles", "2026-11-20 15:58-08:00"),
+        ("2026-11-20 15:58:23 -0800", "2026-11-20 15:58-08:00"),
+        ("2026-11-20 15:58 Middle/Earth", "2026-11-20 15:58"),
+        ("2026-11-20", ""),
+        ("03/04/2026 10:00", ""),
+        ("-", ""),
+    ],
+)
+def test_times_are_read_as_platforms_write_them(text, time):
+    assert read_time(text) == time
 
 
 NOT_UNDERSTOOD = {

@@ -187,6 +187,20 @@ def test_a_row_that_belongs_to_two_students_of_different_names_is_refused(tmp_pa
         roster.with_sheet(read_sheet(sheet_of(tmp_path, text)).rows)
 
 
+def test_two_rows_of_one_name_need_something_that_distinguishes_them(tmp_path):
+    with pytest.raises(ValueError, match="two students 'Jan'"):
+        Roster().with_sheet(read_sheet(sheet_of(tmp_path, "name,login\nJan,\nJan,\n")).rows)
+    found = Roster().with_sheet(read_sheet(sheet_of(tmp_path, "name,login\nJan,j1\nJan,j2\n")).rows)[0]
+    assert set(found.students) == {"Jan (j1)", "Jan (j2)"}
+
+
+def test_a_number_behind_another_name_is_no_platforms(tmp_path):
+    found = Roster([Student("Ada", "Ada", aliases={"moodle 12": ""})]).recognise(
+        [Person("team_12", name="team_12")]
+    )
+    assert found.students == {"team_12": "team_12"}
+
+
 def test_a_word_means_a_student_only_if_it_means_one():
     roster = Roster([ADA, *JANS])
     for word in ("Ada Lovelace", "ada", "ADA@uni.example", "moodle 12", "Ada Lovelace_12"):
