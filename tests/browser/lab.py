@@ -24,6 +24,7 @@ from nao_course.lab import command as lab_command
 from nao_course.lab import environment as lab_environment
 from tests.paths import PROJECT
 
+PATIENCE = 240.0  # seconds: a page may be late on a busy machine, and no test fails for that
 LAPTOP = {"width": 1366, "height": 768}
 CHROMIUM_OPTIONS = [
     "--disable-quic",
@@ -89,7 +90,7 @@ class Lab:
         page.on("pageerror", self._note_error)
         page.goto(f"{self.url}/lab/tree/{name}?reset")
         page.wait_for_selector(".jp-NotebookPanel .jp-Cell", timeout=240_000)
-        wait_for(self._is_ready, "a kernel that is connected and idle", 90)
+        wait_for(self._is_ready, "a kernel that is connected and idle")
 
     def _note_error(self, error: Any) -> None:
         """Keep a page's error, unless JupyterLab removes its splash screen twice: two changes of theme overlapped."""
@@ -149,7 +150,7 @@ class Lab:
         ]
 
 
-def wait_for(condition: Any, what: str | None, seconds: float) -> bool:
+def wait_for(condition: Any, what: str | None = None, seconds: float = PATIENCE) -> bool:
     """Poll until a condition holds; if `what` is None its failure is no error."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -192,7 +193,7 @@ def jupyter_lab(folder: Path, settings: Path) -> Iterator[Lab]:
             command, env=environment, cwd=folder, stdout=output, stderr=subprocess.STDOUT
         )
     try:
-        wait_for(lambda: _answers(lab.url, server, lab.log), "JupyterLab that answers", 90)
+        wait_for(lambda: _answers(lab.url, server, lab.log), "JupyterLab that answers")
         yield lab
     finally:
         _stop(server, lab.url)

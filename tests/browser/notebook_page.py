@@ -3,7 +3,7 @@
 import shutil
 from contextlib import contextmanager
 
-from tests.browser.lab import browser_page, jupyter_lab, wait_for
+from tests.browser.lab import PATIENCE, browser_page, jupyter_lab, wait_for
 from tests.paths import PROJECT
 
 SCREENSHOTS = PROJECT / "build" / "screenshots"
@@ -34,7 +34,7 @@ def panel_of(lab, page, name, *cells, kind=".nao-function", timeout=300):
     return root
 
 
-def expect(root, words, seconds=60):
+def expect(root, words, seconds=PATIENCE):
     """Wait until words are in a panel, or in what a function returns."""
     said = root if callable(root) else root.inner_text
     if not wait_for(lambda: words in said(), None, seconds):

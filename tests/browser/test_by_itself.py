@@ -37,12 +37,12 @@ def test_a_key_lets_the_robot_go_by_itself_and_another_stops_it(lab, page):
     def seen():
         return float(board.inner_text().partition("Next move: ")[2].partition("%")[0] or 0)
 
-    wait_for(lambda: seen() > 60, "most of the field seen", 240)
+    wait_for(lambda: seen() > 60, "most of the field seen")
     page.locator(".nao-panel").evaluate("each => each.scrollIntoView({block: 'start'})")
     screenshot(page, "by_itself")
     page.keyboard.press("x")
     status = page.locator(".nao-panel .nao-status")
-    wait_for(lambda: "Stopped." in status.inner_text(), "the end of the drive", 240)
+    wait_for(lambda: "Stopped." in status.inner_text(), "the end of the drive")
     assert board.inner_text() != first
 
 
@@ -50,8 +50,8 @@ def test_a_room_is_explored_as_it_plays(lab, page):
     fill(lab.folder, "12")
     run_notebook(lab, page, "13_room.ipynb", ROOM, timeout=300)
     said = page.locator(".nao-panel").first
-    wait_for(lambda: "After 10 moves" in said.inner_text(), "the tenth move", 240)
+    wait_for(lambda: "After 10 moves" in said.inner_text(), "the tenth move")
     page.locator(".nao-keys").first.click()
     page.keyboard.press(" ")
-    wait_for(lambda: "After 13 moves" in said.inner_text(), "three moves more", 240)
+    wait_for(lambda: "After 13 moves" in said.inner_text(), "three moves more")
     screenshot(page, "explored_room")

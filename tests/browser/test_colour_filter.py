@@ -33,16 +33,16 @@ def test_a_pixel_is_clicked_and_added_and_the_arc_and_the_sliders_jump(lab, page
     pad = panel.root.locator(".nao-pad-over")
     drawn = pad.bounding_box()
     pad.click(position={"x": drawn["width"] * 150 / 320, "y": drawn["height"] * 180 / 240})
-    wait_for(lambda: "hue 1" in panel.words(), "a pixel of grass", 10)
+    wait_for(lambda: "hue 1" in panel.words(), "a pixel of grass")
     circle = panel.root.locator("img").nth(3).get_attribute("src")
     panel.root.locator(".nao-do-to-yellow").click()
-    wait_for(lambda: panel.value("yellow-high") > 100, "yellow up to the grass", 10)
-    wait_for(lambda: panel.root.locator("img").nth(3).get_attribute("src") != circle, "another circle", 10)
+    wait_for(lambda: panel.value("yellow-high") > 100, "yellow up to the grass")
+    wait_for(lambda: panel.root.locator("img").nth(3).get_attribute("src") != circle, "another circle")
     screenshot(page, "filter_panel_pixel")
     before = panel.words()
     pad.focus()
     page.keyboard.press("ArrowLeft")
-    wait_for(lambda: panel.words() != before, "the pixel at its left", 10)
+    wait_for(lambda: panel.words() != before, "the pixel at its left")
 
 
 def test_a_slow_filter_ends_at_the_newest_value_and_skips_most_of_those_before(lab, page):

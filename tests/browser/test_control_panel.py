@@ -48,10 +48,10 @@ def test_picture_and_map_are_beside_each_other_and_the_panel_fits_at_every_width
         screenshot(page, f"control_panel_{width}")
     page.evaluate("window.jupyterapp.commands.execute('application:toggle-left-area').then(() => null)")
     page.set_viewport_size({"width": 540, "height": 800})
-    wait_for(lambda: not page.locator(".nao-face").is_visible(), "a picture that is alone", 20)
+    wait_for(lambda: not page.locator(".nao-face").is_visible(), "a picture that is alone")
     alone = place(page, ".nao-cameras")
     page.locator(".nao-chosen img").click()
-    wait_for(lambda: page.locator(".nao-map-canvas").is_visible(), "the map in its place", 20)
+    wait_for(lambda: page.locator(".nao-map-canvas").is_visible(), "the map in its place")
     assert place(page, ".nao-face")["y"] == pytest.approx(alone["y"], abs=2)
 
 
@@ -60,8 +60,8 @@ def test_nothing_moves_when_the_robot_does_or_a_view_changes(page, panel):
     page.locator(".nao-chosen img").click()
     for key in "wal ":
         page.keyboard.press(key)
-    wait_for(lambda: "Picture taken" in page.locator(".nao-over").inner_text(), "a picture", 240)
-    wait_for(lambda: "…" not in page.locator(".nao-over").inner_text(), "the drive's end", 240)
+    wait_for(lambda: "Picture taken" in page.locator(".nao-over").inner_text(), "a picture")
+    wait_for(lambda: "…" not in page.locator(".nao-over").inner_text(), "the drive's end")
     assert panel.evaluate(_BOXES) == before
     page.keyboard.press("t")
     page.locator(".nao-face .nao-world").wait_for()
@@ -118,7 +118,7 @@ def test_in_three_dimensions_the_caption_is_true(page, panel):
     assert after(lambda: page.mouse.wheel(0, -150))["distance"] < seen[-2]["distance"]
     screenshot(page, "control_panel_3d")
     page.keyboard.press("ArrowUp")
-    wait_for(lambda: "ahead: done" in page.locator(".nao-over").inner_text(), "a walk", 240)
+    wait_for(lambda: "ahead: done" in page.locator(".nao-over").inner_text(), "a walk")
     assert page.evaluate(place_of) == seen[-1], "the arrows drive the robot"
 
 

@@ -60,10 +60,10 @@ def plays_steps_and_scrubs(player, last):
     player.locator("select").select_option("20")
     play.click()
     assert "Pause" in play.inner_text()
-    assert wait_for(lambda: frame(player) == last and "Play" in play.inner_text(), None, 240)
+    assert wait_for(lambda: frame(player) == last and "Play" in play.inner_text())
     assert words.inner_text() != said
     player.press("b")
-    assert wait_for(lambda: frame(player) < last, None, 240)
+    assert wait_for(lambda: frame(player) < last)
     player.press("b")
     stopped = frame(player)
     player.page.wait_for_timeout(400)
@@ -95,7 +95,7 @@ def test_a_film_follows_the_theme(in_notebook):
     in_notebook.page.evaluate(
         "() => window.jupyterapp.commands.execute('apputils:change-theme', {theme: 'JupyterLab Dark'})"
     )
-    assert wait_for(lambda: painted(in_notebook) != light, None, 240)
+    assert wait_for(lambda: painted(in_notebook) != light)
     screenshot(in_notebook.page, "film_dark", in_notebook)
 
 

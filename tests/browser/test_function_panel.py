@@ -74,10 +74,10 @@ def test_keys_in_a_menu_and_at_a_question_are_no_commands_of_the_notebook(lab, p
     menu = panel.root.locator(".nao-choice-colour select")
     menu.focus()
     page.keyboard.press("ArrowDown")
-    wait_for(lambda: menu.input_value() == "green", "the colour below", 10)
+    wait_for(lambda: menu.input_value() == "green", "the colour below")
     for key in ("b", "a", "x", "m", "ArrowUp"):
         page.keyboard.press(key)
-    wait_for(lambda: menu.input_value() == "red", "the colour above", 10)
+    wait_for(lambda: menu.input_value() == "red", "the colour above")
     panel.root.locator(".nao-do-reset").focus()
     for key in ("d", "d", "a"):
         page.keyboard.press(key)
@@ -85,8 +85,8 @@ def test_keys_in_a_menu_and_at_a_question_are_no_commands_of_the_notebook(lab, p
     radios.first.focus()
     page.keyboard.press("Space")
     page.keyboard.press("ArrowDown")
-    wait_for(radios.nth(1).is_checked, "the second choice", 10)
-    wait_for(lambda: "Right." in page.locator(".jp-NotebookPanel").inner_text(), "its answer", 20)
+    wait_for(radios.nth(1).is_checked, "the second choice")
+    wait_for(lambda: "Right." in page.locator(".jp-NotebookPanel").inner_text(), "its answer")
     assert page.locator(".jp-NotebookPanel .jp-Cell").count() == cells
 
 
@@ -97,32 +97,32 @@ def test_mouse_and_keys_set_every_control_and_what_is_shown_follows(lab, page):
     pad = panel.root.locator(".nao-pad-over")
     box = pad.bounding_box()
     page.mouse.click(box["x"] + box["width"] * 80.5 / 320, box["y"] + box["height"] * 60.5 / 240)
-    wait_for(lambda: panel.pixel() == "80, 60", "the pixel that was clicked", 10)
+    wait_for(lambda: panel.pixel() == "80, 60", "the pixel that was clicked")
     for key in ("ArrowRight", "ArrowRight", "ArrowDown", "Shift+ArrowLeft", "d", "d"):
         page.keyboard.press(key)
-    wait_for(lambda: panel.pixel() == "72, 61", "the pixel that the keys reach", 10)
+    wait_for(lambda: panel.pixel() == "72, 61", "the pixel that the keys reach")
     mark = panel.root.locator(".nao-cursor")
-    wait_for(lambda: "22.656%" in mark.get_attribute("style"), "the mark at u = 72", 10)
+    wait_for(lambda: "22.656%" in mark.get_attribute("style"), "the mark at u = 72")
     mask = panel.root.locator("img").nth(1)
     before = mask.get_attribute("src")
     panel.root.locator(".nao-slider-level .noUi-handle").focus()
     panel.screenshot("function_panel_focus")
     page.keyboard.press("PageUp")
-    wait_for(lambda: mask.get_attribute("src") != before, "another mask", 10)
+    wait_for(lambda: mask.get_attribute("src") != before, "another mask")
     panel.root.locator(".nao-slider-rows .noUi-handle").first.focus()
     page.keyboard.press("ArrowRight")
-    wait_for(lambda: "1 " in panel.root.locator(".nao-slider-rows .widget-readout").inner_text(), "row 1", 10)
+    wait_for(lambda: "1 " in panel.root.locator(".nao-slider-rows .widget-readout").inner_text(), "row 1")
     said = re.search(r"Random: \d+", panel.words())[0]
     panel.root.locator(".nao-keys").click()
     page.keyboard.press("n")
-    wait_for(lambda: said not in panel.words(), "another random number", 10)
+    wait_for(lambda: said not in panel.words(), "another random number")
     panel.root.locator(".nao-toggle-strict input").focus()
     page.keyboard.press("Space")
     panel.expect("Finish exercise 1.3 to see this.")
     panel.screenshot("function_panel_unfinished")
     panel.root.locator(".nao-do-reset").click()
     panel.expect(said)
-    wait_for(lambda: panel.pixel() == "160, 120", "the pixel of the start", 10)
+    wait_for(lambda: panel.pixel() == "160, 120", "the pixel of the start")
     assert page.locator(".jp-NotebookPanel .jp-Cell").count() == cells
 
 
@@ -139,7 +139,7 @@ def test_a_screen_reader_hears_what_a_slider_sets_and_its_value_to_the_last_digi
     panel = Panel(lab, page, "digits.ipynb", FIGURE)
     panel.root.locator(".noUi-handle").focus()
     page.keyboard.press("ArrowRight")
-    wait_for(lambda: panel.root.evaluate(_HANDLES) == [["Place x (m)", "1.05", "1.05"]], "1.05 m", 10)
+    wait_for(lambda: panel.root.evaluate(_HANDLES) == [["Place x (m)", "1.05", "1.05"]], "1.05 m")
 
 
 def test_a_dragged_slider_brings_pictures_as_fast_as_they_come_and_ends_at_the_newest(lab, page):

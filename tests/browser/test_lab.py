@@ -50,7 +50,7 @@ class Panel:
         self.page = page
         self.root = page.locator(".nao-panel:has(.nao-image-bottom)").first
         self.root.wait_for(timeout=240_000)
-        wait_for(lambda: self.loaded("bottom") and self.loaded("top"), "pictures", 20)
+        wait_for(lambda: self.loaded("bottom") and self.loaded("top"), "pictures")
 
     def source(self, image):
         return self.root.locator(f".nao-image-{image} img").get_attribute("src")
@@ -153,7 +153,7 @@ def test_stop_stops_a_long_drive(lab, page):
     panel.root.locator("select").nth(2).select_option("1 m")
     before = panel.source("bottom")
     panel.press("forward")
-    wait_for(lambda: panel.source("bottom") != before, "a first picture", 10)
+    wait_for(lambda: panel.source("bottom") != before, "a first picture")
     panel.press("stop")
     panel.expect("Stopped")
     panel.press("forward")
@@ -195,7 +195,7 @@ def test_the_first_lesson_runs_and_its_panel_drives(lab, page):
     panel.root.scroll_into_view_if_needed()
     before = panel.source("bottom")
     panel.press("forward")
-    wait_for(lambda: panel.source("bottom") != before, "a new picture", 10)
+    wait_for(lambda: panel.source("bottom") != before, "a new picture")
     panel.screenshot("lesson_00")
 
 

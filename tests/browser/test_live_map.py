@@ -52,7 +52,7 @@ IN_THE_LENS = """below => {
 
 def test_a_live_map_shows_what_python_sends_on_every_page(lab, page):
     run_notebook(lab, page, "live.ipynb", MAKE, DRIVE, AGAIN)
-    assert wait_for(lambda: page.locator(".nao-map-canvas").count() == 2, None, 240)
+    assert wait_for(lambda: page.locator(".nao-map-canvas").count() == 2)
     for number in (0, 1):
         carpet, cell, post = (
             page.evaluate(COLOUR, [number, *place]) for place in ((2000, -2300), (1000, 1000), (3000, 700))
@@ -79,7 +79,7 @@ def test_the_lens_shows_the_axis_or_heading_that_is_too_small_and_an_arrow_the_r
     ):
         run_notebook(lab, page, f"short{number}.ipynb", MAKE, DRIVE, *cells)
         lens.wait_for(timeout=240_000)
-        wait_for(lambda: lens.locator("canvas").evaluate(RED) > 0.003, "the axis in the lens", 20)
+        wait_for(lambda: lens.locator("canvas").evaluate(RED) > 0.003, "the axis in the lens")
         assert lens.inner_text().endswith(words)
         screenshot(page, f"live_map_short_{number}")
     run_notebook(lab, page, "away.ipynb", MAKE, DRIVE, SHORT, AWAY)

@@ -54,7 +54,7 @@ def test_a_figure_follows_the_theme_without_being_drawn_again_and_a_photograph_s
     for theme in ("Light", "Dark", "Light"):
         choose(notebook, theme)
         drawn = "() => getComputedStyle(document.querySelector('img.nao-figure')).filter !== 'none'"
-        wait_for(lambda drawn=drawn, theme=theme: notebook.evaluate(drawn) is (theme == "Dark"), theme, 10)
+        wait_for(lambda drawn=drawn, theme=theme: notebook.evaluate(drawn) is (theme == "Dark"), theme)
         seen[theme] = pixels(notebook, "img.nao-figure"), pixels(notebook, ".nao-photos")
     assert counts == notebook.locator(".jp-InputPrompt").all_inner_texts()
     for figure in seen["Light"]:
@@ -100,7 +100,7 @@ def test_in_a_narrow_column_the_letters_of_a_figure_stay_readable_and_it_scrolls
         assert place < 600 and smallest * 100 / 72 * shown / drawn >= 8.5  # px
         assert scrolled >= shown - 1 and page.evaluate("document.documentElement.scrollWidth") == 900
     page.set_viewport_size({"width": 1500, "height": 700})
-    wait_for(lambda: page.locator("img.nao-figure").evaluate(_WIDTHS)[1] > 1000, "figure as it was drawn", 10)
+    wait_for(lambda: page.locator("img.nao-figure").evaluate(_WIDTHS)[1] > 1000, "figure as it was drawn")
     _, _, place, scrolled = page.locator("img.nao-figure").evaluate(_WIDTHS)
     assert scrolled <= place + 1
 
@@ -116,6 +116,6 @@ def test_a_folded_cell_shows_that_it_runs(lab, page):
     assert page.evaluate(_MARKS) == nothing
     page.locator(".jp-Cell").first.click(position={"x": 4, "y": 4})
     page.keyboard.press("Shift+Enter")
-    wait_for(lambda: page.evaluate(_MARKS) == ['"[*]:"', "none", "none"], "mark on the first cell", 3)
+    wait_for(lambda: page.evaluate(_MARKS) == ['"[*]:"', "none", "none"], "mark on the first cell")
     screenshot(page, "folded_cell_runs")
-    wait_for(lambda: page.evaluate(_MARKS) == nothing, "end of the cell", 20)
+    wait_for(lambda: page.evaluate(_MARKS) == nothing, "end of the cell")

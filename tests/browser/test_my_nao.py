@@ -40,7 +40,7 @@ def test_the_students_own_labels_drive_along(lab, page):
     expect(lambda: words(page), "labels: green")
     assert "✔ labels" in page.locator(".nao-ready").text_content()
     page.locator(".nao-panel").evaluate("each => each.scrollIntoView({block: 'end'})")
-    wait_for(lambda: painted_green(page, "top") > 0.3, "labels beside the picture", 240)
+    wait_for(lambda: painted_green(page, "top") > 0.3, "labels beside the picture")
     assert painted_green(page, "bottom") < 0.2
 
     page.locator(".nao-image-bottom").click(position={"x": 200, "y": 140})  # anywhere in the panel
@@ -53,12 +53,12 @@ def test_the_students_own_labels_drive_along(lab, page):
 
     told = words(page)
     page.locator(".nao-do-view").click()
-    wait_for(lambda: painted_green(page, "top") < 0.2, "the top camera's own picture", 240)
+    wait_for(lambda: painted_green(page, "top") < 0.2, "the top camera's own picture")
     assert words(page) == told, "another view shows the same results"
     picture = looked_at(page, "bottom")
     page.locator(".nao-chosen").click()
     page.keyboard.press("v")
-    wait_for(lambda: np.abs(looked_at(page, "bottom") - picture).mean() > 0.2, "labels over the picture", 240)
+    wait_for(lambda: np.abs(looked_at(page, "bottom") - picture).mean() > 0.2, "labels over the picture")
     assert painted_green(page, "top") < 0.2
 
 

@@ -44,7 +44,7 @@ def drive(lab, page, name):
     wait_for(lambda: held(8), "eight steps while the key is held", 120)
     page.keyboard.up("w")
     page.keyboard.press("x")
-    wait_for(lambda: "…" not in words(page), "end of the drive", 240)
+    wait_for(lambda: "…" not in words(page), "end of the drive")
     after = seen[0].get_attribute("src"), seen[1].get_attribute("aria-label")
     assert before[0] != after[0] and before[1] != after[1]
     return page.locator(".nao-panel .nao-board").inner_text()

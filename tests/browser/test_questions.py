@@ -35,7 +35,7 @@ def test_no_choice_lies_over_another_one_and_each_circle_is_visible(lab, page):
     run_notebook(lab, page, "questions.ipynb", CELL)
     questions = page.locator(".nao-question")
     questions.first.wait_for(timeout=240_000)
-    wait_for(lambda: questions.count() >= len(LESSONS), "the questions of all lessons", 240)
+    wait_for(lambda: questions.count() >= len(LESSONS), "the questions of all lessons")
     circles, labels = (
         page.locator(f".nao-question .widget-radio-box {each}").count() for each in ("input", "label")
     )

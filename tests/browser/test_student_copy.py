@@ -28,7 +28,7 @@ def test_the_page_that_a_student_opens_has_the_lesson_its_contents_and_nothing_t
         lab.open(page, f"{NAME}.ipynb")
         page.locator('.jp-SideBar [data-id="table-of-contents"]').click()
         entries = page.locator(".jp-TableOfContents-content .jp-tocItem-content")
-        wait_for(lambda: entries.count() > 8, "table of contents", 20)
+        wait_for(lambda: entries.count() > 8, "table of contents")
         screenshot(page, "student_page")
         sides = page.locator(".jp-SideBar [data-id]").evaluate_all("tabs => tabs.map(tab => tab.dataset.id)")
         assert "filebrowser" in sides and not [each for each in sides if "nbgrader" in each]
@@ -36,7 +36,7 @@ def test_the_page_that_a_student_opens_has_the_lesson_its_contents_and_nothing_t
         top = page.locator("h1", has_text="HSL filtering")
         assert in_sight(top)
         entries.last.click()
-        wait_for(lambda: not in_sight(top), "last section, to which the click scrolls", 20)
+        wait_for(lambda: not in_sight(top), "last section, to which the click scrolls")
 
 
 def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_green(tmp_path, chromium):
@@ -56,9 +56,7 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
         assert page.locator('[data-mime-type="application/vnd.jupyter.stderr"]').count() == 0
         check = cell_index(page, f'check("{EXERCISE}"')
         select(page, check)
-        wait_for(
-            lambda: check_state(page, EXERCISE) == "not attempted", "check that says 'not written yet'", 20
-        )
+        wait_for(lambda: check_state(page, EXERCISE) == "not attempted", "check that says 'not written yet'")
         screenshot(page, "student_copy_blank")
 
         exercise = cell_index(page, f"def {EXERCISE}")
@@ -69,7 +67,7 @@ def test_the_blank_lesson_runs_and_an_exercise_that_is_typed_in_turns_its_check_
         page.keyboard.press("Shift+Enter")
         select(page, check)
         page.keyboard.press("Shift+Enter")
-        wait_for(lambda: check_state(page, EXERCISE) == "right", "check that turns green", 240)
+        wait_for(lambda: check_state(page, EXERCISE) == "right", "check that turns green")
         select(page, check)
         screenshot(page, "student_copy_one_right")
         assert lab.errors(page) == []
@@ -97,7 +95,7 @@ def test_a_solution_that_is_edited_and_saved_in_jupyterlab_comes_back_into_the_t
         into(page, check + 1)
         page.keyboard.insert_text('print("new")')
         page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save').then(() => null)")
-        wait_for(lambda: stamps.edited(course, NAME) == (False, True), "a notebook that is saved", 20)
+        wait_for(lambda: stamps.edited(course, NAME) == (False, True), "a notebook that is saved")
     again = build.text_from_notebook(course, NAME)
     solution_end, check_end = "    ### END SOLUTION\n", f'check("{EXERCISE}", {EXERCISE})\n```\n'
     wanted = text.replace(solution_end, f"{solution_end}\n# edited in JupyterLab\n", 1)

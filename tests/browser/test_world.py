@@ -75,7 +75,7 @@ def settled(page):
         same, last[0] = frames == last[0], frames
         return same and frames > 0
 
-    wait_for(still, "view that has come to rest", 240)
+    wait_for(still, "view that has come to rest")
     return page.evaluate(STATE)
 
 
@@ -130,7 +130,7 @@ def test_an_update_moves_the_robot_and_its_head_to_the_pose_of_the_simulator(lab
     show(lab, page, CELL, MOVE)
     settled(page)
     run_last_cell(page)
-    wait_for(lambda: page.evaluate(STATE)["truth"][0] > 0.69, "robot at its new pose", 240)
+    wait_for(lambda: page.evaluate(STATE)["truth"][0] > 0.69, "robot at its new pose")
     state = settled(page)
     head = np.array(state["head"]).reshape(4, 4).T
     pose, scene = Pose(0.7, -0.5, 0.2), WorldScene(Field(), Reality())
@@ -143,14 +143,14 @@ def test_without_webgl_it_is_a_picture_that_turns_too(lab, page):
     page.add_init_script(NO_WEBGL)
     show(lab, page, CELL)
     image = page.locator(".nao-world img")
-    wait_for(lambda: image.evaluate("image => image.naturalWidth") == 640, "picture of the view", 240)
+    wait_for(lambda: image.evaluate("image => image.naturalWidth") == 640, "picture of the view")
     before = image.get_attribute("src")
     assert "robot at (0.60, -0.50) m" in image.get_attribute("alt")
     image.click()
     page.keyboard.press("2")
-    wait_for(lambda: image.get_attribute("src") != before, "picture from above", 240)
+    wait_for(lambda: image.get_attribute("src") != before, "picture from above")
     assert page.evaluate(STATE)["viewpoint"]["follows"] is False
-    wait_for(lambda: image.evaluate("image => image.naturalWidth") == 640, "picture from above", 240)
+    wait_for(lambda: image.evaluate("image => image.naturalWidth") == 640, "picture from above")
 
 
 def test_it_fits_a_narrow_page_in_light_and_dark(lab, page):
@@ -163,9 +163,9 @@ def test_it_fits_a_narrow_page_in_light_and_dark(lab, page):
             "theme => window.jupyterapp.commands.execute('apputils:change-theme', {theme}).then(() => null)",
             theme,
         )
-        wait_for(lambda dark=dark: ("dark" in root.get_attribute("class").split()) == dark, theme, 240)
+        wait_for(lambda dark=dark: ("dark" in root.get_attribute("class").split()) == dark, theme)
     # JupyterLab may take a cell out of the page for a moment when its size or theme changes.
-    wait_for(lambda: page.locator(".nao-world .stage").bounding_box(), "view on the page", 240)
+    wait_for(lambda: page.locator(".nao-world .stage").bounding_box(), "view on the page")
     assert root.evaluate("root => root.scrollWidth <= root.clientWidth + 1")
     right = root.evaluate("root => root.getBoundingClientRect().right")
     assert right <= 900
