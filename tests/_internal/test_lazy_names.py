@@ -7,16 +7,13 @@ import sys
 from tests.paths import PROJECT
 
 
-def test_tab_completion_shows_the_public_names_and_each_of_them_exists():
+def test_tab_completion_shows_the_public_names_and_a_lessons_module_is_imported_only_when_it_is_used():
     for path in sorted((PROJECT / "nao_course").rglob("*.py")):
         if "__dir__ = " in path.read_text(encoding="utf-8"):
             parts = path.relative_to(PROJECT).with_suffix("").parts
             module = importlib.import_module(".".join(parts).removesuffix(".__init__"))
             assert dir(module) == sorted(module.__all__)
             assert all(hasattr(module, name) for name in module.__all__), path
-
-
-def test_a_lessons_package_imports_a_module_only_when_a_name_of_it_is_used():
     code = (
         "import sys; from nao_course.lessons.goalposts import match_feet; "
         "print(*(name for name in sys.modules if name.startswith('nao_course.lessons.goalposts.')))"

@@ -11,28 +11,22 @@ from nao_course.field_slam.observation import Observation
 from nao_course.lessons import slam_on_the_field
 
 
-def test_only_whole_names_are_replaced_and_variables_that_look_like_a_method_stay():
+def test_only_whole_names_are_replaced_and_each_new_name_exists():
     code = "about = MyFieldOdometry() or FieldOdometry(); z = seen.part(i).about(r); z.about_it = apart"
     assert with_new_names(code) == (
         "about = MyFieldOdometry() or OdometryNoisePerMove(); "
         "z = seen.part(i).linearised_at(r); z.about_it = apart"
     )
-
-
-def test_an_import_of_an_old_name_says_the_new_one_and_how_to_change_it():
-    with pytest.raises(ImportError, match="is now called OdometryNoisePerMove.*nao-course renew"):
-        exec("from nao_course.lessons.slam_on_the_field import FieldOdometry")
-
-
-def test_a_name_that_never_existed_is_an_ordinary_attribute_error():
-    assert not hasattr(slam_on_the_field, "NoSuchName")
-    with pytest.raises(ImportError, match="cannot import name 'NoSuchName'"):
-        exec("from nao_course.lessons.slam_on_the_field import NoSuchName")
-
-
-def test_each_new_name_exists():
     package = importlib.import_module("nao_course.field_slam")
     modules = [importlib.import_module(f"nao_course.field_slam.{name}") for name in package.__all__]
     for new in RENAMED.values():
         name = new.removeprefix(".")
         assert any(hasattr(each, name) for each in (package, Observation, *modules)), name
+
+
+def test_an_import_of_an_old_name_says_the_new_one_and_a_name_that_never_existed_is_an_ordinary_error():
+    with pytest.raises(ImportError, match="is now called OdometryNoisePerMove.*nao-course renew"):
+        exec("from nao_course.lessons.slam_on_the_field import FieldOdometry")
+    assert not hasattr(slam_on_the_field, "NoSuchName")
+    with pytest.raises(ImportError, match="cannot import name 'NoSuchName'"):
+        exec("from nao_course.lessons.slam_on_the_field import NoSuchName")

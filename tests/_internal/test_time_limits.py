@@ -23,21 +23,26 @@ def stopped(seconds=0.05, **more):
     return True
 
 
-def test_a_time_limit_that_was_kept_is_forgotten():
+def test_a_limit_that_was_kept_is_forgotten_and_one_works_in_any_thread_and_can_end_sooner():
     before = threading.active_count()
     with time_limit(0.05):
         pass
     time.sleep(0.1)
     assert threading.active_count() == before
     assert stopped()
-
-
-def test_it_works_in_a_thread_that_signals_do_not_reach():
     done = []
     thread = threading.Thread(target=lambda: done.append(stopped()), daemon=True)
     thread.start()
     thread.join(30)  # where it is not stopped
     assert done == [True]
+    seen = []
+
+    def sooner(frame):
+        seen.append(frame.f_code.co_name)
+        return len(seen) == 2
+
+    assert stopped(1e9, sooner=sooner)
+    assert seen == ["endless", "endless"]
 
 
 @pytest.fixture(autouse=True)
@@ -80,14 +85,3 @@ def test_it_does_not_wait_for_an_import_that_never_ends(tmp_path, monkeypatch):
     monkeypatch.setattr(time_limits, "IMPORTING", 0.1)
     with pytest.raises(TooSlow), time_limit(0.05):
         importlib.import_module("never_ends")
-
-
-def test_who_watches_can_end_it_sooner():
-    seen = []
-
-    def sooner(frame):
-        seen.append(frame.f_code.co_name)
-        return len(seen) == 2
-
-    assert stopped(1e9, sooner=sooner)
-    assert seen == ["endless", "endless"]

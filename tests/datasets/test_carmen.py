@@ -41,9 +41,7 @@ def test_a_scan_has_the_pose_of_the_robot_behind_the_pose_of_the_laser(tmp_path,
 
 
 @pytest.mark.parametrize(("beams", "last"), [(180, 89), (181, 90), (360, 89.5), (361, 90), (91, 90)])
-def test_the_beams_of_an_old_scan_begin_at_the_right_and_are_as_far_apart_as_carmen_says(
-    tmp_path, beams, last
-):
+def test_the_beams_of_an_old_scan_begin_at_the_right_and_are_spaced_as_carmen_says(tmp_path, beams, last):
     """CARMEN's own table: 180 and 181 beams are 1 degree apart, 360 and 361 half a degree."""
     line = f"FLASER {beams} {'1 ' * beams} 0 0 0 0 0 0 1 host 1"
     angles = np.degrees(read_carmen_log(written(tmp_path, [line])).angles)
@@ -54,24 +52,13 @@ def test_the_beams_of_an_old_scan_begin_at_the_right_and_are_as_far_apart_as_car
     ("line", "message"),
     [
         (FLASER.replace(" 81.91", ""), "line 6: FLASER needs 3 ranges, two poses, a time, .*got 13 words"),
-        (FLASER + " 1", "line 6: FLASER needs 3 ranges.*got 15 words"),
         (FLASER.replace("FLASER 3", "FLASER -3"), "line 6: expected a count from 0 to 10000, got '-3'"),
-        (FLASER.replace("FLASER 3", "FLASER 99999999999"), "line 6: expected a count from 0 to 10000"),
-        (FLASER.replace("FLASER 3", "FLASER 9999"), "line 6: FLASER needs 9999 ranges"),
-        ("FLASER", "line 6: expected a count from 0 to 10000, got ''"),
         (FLASER.replace("1.9", "nan"), "line 6: expected a number within .*'nan'"),
-        (FLASER.replace("12.5", "x"), "line 6: expected a number within .*'x'"),
         (FLASER.replace("3 1.0 2.0", "4 1.0 1.0 2.0"), "line 6: the beams have other angles"),
         (f"FLASER 400 {'1 ' * 406} 1 host 1", "line 6: the angles of 400 beams are not known"),
         (ROBOTLASER, "line 6: the beams have other angles"),
-        (
-            ROBOTLASER.replace("81.91 1 0.7", "81.91 5 0.7"),
-            "line 6: ROBOTLASER1 needs 3 ranges, two poses, 5 numbers",
-        ),
-        (
-            ROBOTLASER.replace("ROBOTLASER1 0 -1.5", "ROBOTLASER1 0 inf"),
-            "line 6: expected a number within .*'inf'",
-        ),
+        (ROBOTLASER.replace("81.91 1 0.7", "81.91 5 0.7"), "line 6: ROBOTLASER1 needs 3 ranges"),
+        (ROBOTLASER.replace("ROBOTLASER1 0 -1.5", "ROBOTLASER1 0 inf"), "line 6: .*'inf'"),
     ],
 )
 def test_a_wrong_line_is_refused_with_its_file_and_number(tmp_path, line, message):
@@ -80,15 +67,10 @@ def test_a_wrong_line_is_refused_with_its_file_and_number(tmp_path, line, messag
     assert len(str(caught.value)) < 300
 
 
-@pytest.mark.parametrize(
-    ("lines", "message"), [([""], "empty file"), (HEADING, "no line begins with FLASER")]
-)
-def test_a_file_without_scans_is_refused_by_its_name(tmp_path, lines, message):
-    with pytest.raises(ValueError, match=rf"log\.clf: .*{message}"):
-        read_carmen_log(written(tmp_path, lines))
-
-
-def test_a_file_that_is_too_large_is_refused(tmp_path, monkeypatch):
+def test_a_file_without_scans_or_that_is_too_large_is_refused_by_its_name(tmp_path, monkeypatch):
+    for lines, message in (([""], "empty file"), (HEADING, "no line begins with FLASER")):
+        with pytest.raises(ValueError, match=rf"log\.clf: .*{message}"):
+            read_carmen_log(written(tmp_path, lines))
     monkeypatch.setattr(carmen, "LARGEST_LOG", 20)
     with pytest.raises(ValueError, match=r"log\.clf: expected 1 to 20 bytes, got more"):
         read_carmen_log(written(tmp_path, [FLASER]))

@@ -7,7 +7,7 @@ import pytest
 from nao_course.datasets import data_folder, files
 
 
-def test_the_data_folder_is_named_by_the_environment_variable_or_beside_the_project(tmp_path, monkeypatch):
+def test_the_data_folder_is_named_by_a_variable_or_beside_the_project_or_missing(tmp_path, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(tmp_path))
     assert data_folder() == tmp_path
     monkeypatch.delenv("NAO_COURSE_DATA", raising=False)
@@ -16,9 +16,6 @@ def test_the_data_folder_is_named_by_the_environment_variable_or_beside_the_proj
         data_folder()
     (tmp_path / "shared" / "data").mkdir(parents=True)
     assert os.path.samefile(data_folder(), tmp_path / "shared" / "data")
-
-
-def test_a_data_folder_that_is_not_there_is_said_with_what_to_do(tmp_path, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(tmp_path / "nowhere"))
     with pytest.raises(FileNotFoundError, match=r"(?s)nowhere.*set the environment variable.*amsterdam_2013"):
         data_folder()

@@ -28,7 +28,7 @@ def saved(folder: Path, graph: Any, name: str = "g") -> Path:
     return path
 
 
-def test_poses_come_first_and_landmarks_behind_them(tmp_path):
+def test_poses_come_first_and_landmarks_behind_them_and_unconnected_vertices_are_said(tmp_path):
     graph, states = read_freiburg_graph(saved(tmp_path, a_graph()))
     assert graph.ids.tolist() == [7, 8, 5]
     assert graph.kinds.tolist() == [POSE, POSE, LANDMARK]
@@ -36,6 +36,12 @@ def test_poses_come_first_and_landmarks_behind_them(tmp_path):
     assert graph.measurements.tolist() == [[1, 0, 0.5], [1, 2, 0]]
     assert graph.information[1].tolist() == [[2, 1, 0], [1, 2, 0], [0, 0, 0]]
     assert states.tolist() == [2, 3, 4, 5, 6, 7, 0, 1]
+    graph = a_graph()
+    graph["idLookup"] |= {"x9": {"offset": 8}, "x10": {"offset": 11}}
+    graph["x"] = np.arange(14.0)
+    graph["edges"].append(graph["edges"][0] | {"from": 9, "to": 10})
+    with pytest.warns(UserWarning, match=r"graph\.mat: .*2 parts, and vertices 7 and 9 are in different"):
+        read_freiburg_graph(saved(tmp_path, graph))
 
 
 def edge(number: int, **to: Any) -> Callable[[dict[str, Any]], None]:
@@ -53,11 +59,9 @@ def edge(number: int, **to: Any) -> Callable[[dict[str, Any]], None]:
         (edge(1, measurement=[1.0, 2, 3]), "edge 2: measurement must be .* shape"),
         (edge(0, information=np.eye(2)), "edge 1: information must be .* shape"),
         (edge(0, information=np.diag([1.0, 1, 0])), "edge 1: the information matrix must be symmetric and"),
-        (edge(1, information=[[2.0, 1], [0, 2]]), "edge 2: the information matrix must be symmetric"),
         (edge(0, **{"from": 7.5}), "edge 1: the number of a vertex must be an integer"),
         (lambda graph: graph["edges"][0].pop("information"), "edge 1: needs the fields"),
         (lambda graph: graph.update(x=np.arange(7.0)), "the state vector is too short"),
-        (lambda graph: graph["idLookup"]["x8"].update(offset=4), "overlap"),
         (lambda graph: graph["idLookup"]["x8"].update(offset=2), "two vertices begin at the same place"),
         (lambda graph: graph["idLookup"]["x8"].update(offset=99), "vertex 8 begins at 99, outside"),
         (lambda graph: graph["idLookup"]["x8"].pop("offset"), "vertex 8: offset must be finite numbers"),
@@ -73,18 +77,7 @@ def test_what_is_wrong_is_refused_with_file_and_edge(tmp_path, change, message):
         read_freiburg_graph(saved(tmp_path, graph))
 
 
-def test_edges_that_do_not_connect_all_vertices_are_said(tmp_path):
-    graph = a_graph()
-    graph["idLookup"] |= {"x9": {"offset": 8}, "x10": {"offset": 11}}
-    graph["x"] = np.arange(14.0)
-    graph["edges"].append(graph["edges"][0] | {"from": 9, "to": 10})
-    with pytest.warns(
-        UserWarning, match=r"graph\.mat: .*2 parts, and vertices 7 and 9 are in different ones"
-    ):
-        read_freiburg_graph(saved(tmp_path, graph))
-
-
-@pytest.mark.parametrize("cut", [1, 100, 130, 300, -10])
+@pytest.mark.parametrize("cut", [1, 130, -10])
 def test_a_damaged_file_is_refused(tmp_path, cut):
     path = saved(tmp_path, a_graph())
     path.write_bytes(path.read_bytes()[:cut])

@@ -57,9 +57,7 @@ def assert_same(one, other):
         assert np.array_equal(getattr(one, name), getattr(other, name)), name
 
 
-ISLANDS = pytest.mark.filterwarnings(
-    "ignore:.*the edges do not connect all vertices", "ignore:.*there are no edges"
-)
+ISLANDS = pytest.mark.filterwarnings("ignore:.*edges do not connect all", "ignore:.*there are no edges")
 
 
 @ISLANDS
@@ -70,16 +68,14 @@ ISLANDS = pytest.mark.filterwarnings(
     landmarks=st.integers(0, 8),
     edges=st.integers(0, 30),
 )
-def test_a_graph_that_is_written_is_read_again_to_the_last_bit(
-    seed, poses, landmarks, edges, tmp_path_factory
-):
+def test_a_written_graph_is_read_again_to_the_last_bit(seed, poses, landmarks, edges, tmp_path_factory):
     graph, states = some_graph(np.random.default_rng(seed), poses, landmarks, edges)
     again, values = read_g2o(write_g2o(graph, states, tmp_path_factory.mktemp("g2o") / "own.g2o"))
     assert_same(graph, again)
     assert np.array_equal(states, values)
 
 
-def test_poses_and_landmarks_keep_the_files_order_and_names(tmp_path):
+def test_poses_and_landmarks_keep_the_files_order_and_the_pose_that_fix_names_stands_first(tmp_path):
     graph, states = read_g2o(written(tmp_path, GOOD))
     assert graph.ids.tolist() == [7, 3, 9]
     assert graph.kinds.tolist() == [POSE, POSE, LANDMARK]
@@ -88,9 +84,6 @@ def test_poses_and_landmarks_keep_the_files_order_and_names(tmp_path):
     assert graph.information[0].tolist() == [[4, 0, 0], [0, 4, 0], [0, 0, 0]]
     assert graph.information[1].tolist() == [[10, 1, 0], [1, 10, 0], [0, 0, 100]]
     assert states.tolist() == [0, 0, 0, 1.5, 0, 0.25, 2, 2]
-
-
-def test_the_pose_that_fix_names_stands_first_and_is_written_last(tmp_path):
     graph, states = read_g2o(written(tmp_path, [*GOOD, "FIX 3"]))
     assert graph.ids.tolist() == [3, 7, 9]
     assert graph.edges.tolist() == [[0, 2], [1, 0]]
@@ -113,20 +106,16 @@ def test_the_pose_that_fix_names_stands_first_and_is_written_last(tmp_path):
         (7, "EDGE_SE2 7 7 1.5 0 0.25 10 1 0 10 0 100", "line 7: the edge connects vertex 7 with itself"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 10 10 0 10 0 100", "line 7: the information matrix is singular"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 10 11 0 10 0 100", "line 7: .* matrix is .*not positive definite"),
-        (7, "EDGE_SE2 7 3 1.5 0 0.25 10 1 0 -10 0 100", "line 7: the information matrix .*10 1 0 -10 0 100"),
         (6, "EDGE_SE2_XY 3 9 0.5 2 4 4 4", "line 6: the information matrix is singular"),
         (2, "VERTEX_SE2 7 0 nan 0", "line 2: expected numbers within .*got nan as number 2"),
         (4, "VERTEX_XY 9 2 inf", "line 4: expected numbers within .*got inf as number 2"),
-        (7, "EDGE_SE2 7 3 1.5 0 1e300 10 1 0 10 0 100", "line 7: expected numbers within .*number 3"),
         (7, "EDGE_SE2 7 3 1.5 0 0.25 nan 1 0 10 0 100", "line 7: expected numbers within .*number 4"),
         (2, "VERTEX_SE2 x 0 0 0", "line 2: expected integers for the vertices and numbers, got 'x 0 0 0'"),
-        (2, "VERTEX_SE2 7 0 0,5 0", "line 2: expected integers for the vertices"),
         (2, "VERTEX_SE2 7 1_0 0 0", "line 2: expected integers for the vertices"),
         (2, "VERTEX_SE2 -1 0 0 0", "line 2: the number of a vertex must be 0"),
         (2, f"VERTEX_SE2 {2**63} 0 0 0", "line 2: the number of a vertex must be 0"),
         (2, f"VERTEX_SE2 {'9' * 9000} 0 0 0", "line 2: expected integers for the vertices"),
         (5, "FIX 9", "line 5: there is no pose 9"),
-        (5, "FIX 7 8", "line 5: there is no pose 8"),
         (5, "FIX 7 x", "line 5: expected integers for the vertices"),
         (5, "FIX", "line 5: FIX needs 1 vertex"),
     ],
@@ -144,7 +133,7 @@ def test_several_poses_that_fix_names_are_said_and_the_first_is_held(tmp_path, f
     assert graph.ids.tolist() == [3, 7, 9]
 
 
-def test_lines_with_other_tags_are_left_out_unless_there_are_many(tmp_path):
+def test_lines_with_other_tags_are_left_out_unless_there_are_many_and_unconnected_vertices_are_said(tmp_path):
     more = ["VERTEX_TAG 7 0 0", "EDGE_SE2_XY_CALIB 7 9 3 0 0 1 0 1", "EDGE_SE2_XY_CALIB 3 9 7 0 0 1 0 1"]
     with pytest.warns(UserWarning, match=r"'VERTEX_TAG' \(1 line\), 'EDGE_SE2_XY_CALIB' \(2 lines\)"):
         graph, states = read_g2o(written(tmp_path, [*more, *GOOD]))
@@ -154,16 +143,14 @@ def test_lines_with_other_tags_are_left_out_unless_there_are_many(tmp_path):
     lines = [f"TAG{number} 1 2 3" for number in range(graph_lines.MOST_UNKNOWN_TAGS + 1)]
     with pytest.raises(ValueError, match=f"line {len(lines)}: the tag must be one of"):
         read_g2o(written(tmp_path, lines))
-
-
-def test_edges_that_do_not_connect_all_vertices_are_said(tmp_path):
     with pytest.warns(UserWarning, match="2 parts, and vertices 7 and 3 are in different ones"):
         read_g2o(written(tmp_path, GOOD[:-1]))
     with pytest.warns(UserWarning, match="there are no edges"):
         read_g2o(written(tmp_path, GOOD[:-2]))
 
 
-def test_toros_information_has_its_own_order(tmp_path):
+@ISLANDS
+def test_toros_information_has_its_own_order_and_is_read_again_exactly_without_landmarks(tmp_path, rng):
     """TORO's upper triangle is 11 12 22 33 13 23, which its own documentation calls ff fs ss rr fr sr."""
     lines = ["VERTEX2 0 0 0 0", "VERTEX2 1 1 0 0", "EDGE2 0 1 1 0 0.5 10 1 20 30 2 3"]
     graph, states = read_g2o(written(tmp_path, lines))
@@ -172,10 +159,6 @@ def test_toros_information_has_its_own_order(tmp_path):
     assert write_g2o(graph, states, tmp_path / "own.graph", form="toro").read_text().splitlines()[-1] == (
         "EDGE2 0 1 1.0 0.0 0.5 10.0 1.0 20.0 30.0 2.0 3.0"
     )
-
-
-@ISLANDS
-def test_a_graph_for_toro_is_read_again_to_the_last_bit_and_has_no_landmarks(tmp_path, rng):
     graph, states = some_graph(rng, 6, 0, 12)
     again, values = read_g2o(write_g2o(graph, states, tmp_path / "own.graph", form="toro"))
     assert_same(graph, again)
@@ -185,9 +168,6 @@ def test_a_graph_for_toro_is_read_again_to_the_last_bit_and_has_no_landmarks(tmp
         write_g2o(graph, states, tmp_path / "own.graph", form="toro")
 
 
-# --- other programs ---
-
-
 def errors(states: np.ndarray, graph: Graph) -> np.ndarray:
     """Return the errors (x, y, angle) of all edges in g2o's convention, (E, 3); a landmark's angle is 0."""
     poses, landmarks = graph.split(states)
@@ -195,9 +175,8 @@ def errors(states: np.ndarray, graph: Graph) -> np.ndarray:
     found = []
     for (first, second), z in zip(graph.edges, graph.measurements, strict=True):
         if second < graph.poses:
-            found.append(
-                (Pose(*z).inverse() @ Pose(*poses[first]).inverse() @ Pose(*ends[second])).as_array()
-            )
+            relative = Pose(*poses[first]).inverse() @ Pose(*ends[second])
+            found.append((Pose(*z).inverse() @ relative).as_array())
         else:
             found.append([*(Pose(*poses[first]).to_local(ends[second, :2])[0] - z[:2]), 0])
     return np.array(found)
@@ -328,19 +307,14 @@ def rows_of_documents(begin: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith(begin)]
 
 
-def test_the_chi2_of_gtsam_in_the_documents_is_that_of_a_logarithm():
+def test_the_documents_name_every_tag_and_the_chi2_of_gtsam_is_that_of_a_logarithm():
     """A slow test compares the formula with GTSAM itself."""
     [[_, *angles]] = rows_of_documents("| angle, rad |")
     residuals = np.array([[1, 0, float(angle)] for angle in angles])
-    for begin, errors_ in (
-        ("| g2o and GTSAM 4.2 |", residuals),
-        ("| GTSAM 4.3.0 | 1", logarithms(residuals)),
-    ):
+    rows = ("| g2o and GTSAM 4.2 |", residuals), ("| GTSAM 4.3.0 | 1", logarithms(residuals))
+    for begin, errors_ in rows:
         [[_, *values]] = rows_of_documents(begin)
         assert values == [f"{value:.4f}" for value in (errors_**2).sum(axis=1)]
-
-
-def test_the_documents_name_every_tag():
     table = "".join(cell for row in rows_of_documents("| ") for cell in row)
     for tag in (*graph_lines.TAGS, *graph_lines.OTHER_NAMES, *graph_lines.LEFT_OUT):
         assert tag in table
@@ -354,12 +328,15 @@ def test_the_optimum_per_degree_of_freedom_is_in_the_documents(data_dir, name):
     assert float(quotient) == pytest.approx(float(optimum) / graph.degrees_of_freedom, rel=0.03)
 
 
-def test_the_degrees_of_freedom_are_measured_values_minus_free_states(tmp_path):
+def test_the_degrees_of_freedom_are_measured_minus_free_values_and_units_make_no_matrix_singular(tmp_path):
     """A chain has none, and each further measurement adds its values."""
     lines = ["VERTEX_SE2 0 0 0 0", "VERTEX_SE2 1 1 0 0", "VERTEX_XY 2 1 1"]
     lines += ["EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1", "EDGE_SE2_XY 0 2 1 1 1 0 1", "EDGE_SE2_XY 1 2 0 1 1 0 1"]
     assert read_g2o(written(tmp_path, lines[:-1]))[0].degrees_of_freedom == 0
     assert read_g2o(written(tmp_path, lines))[0].degrees_of_freedom == 2
+    graph, _ = read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-6 0 0 1e-6 0 1e12")))
+    assert graph.information[1, 2, 2] == 1e12
+    read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-14 0 0 1e-14 0 1")))
 
 
 @pytest.mark.slow
@@ -381,8 +358,6 @@ def test_two_published_graphs_contain_square_roots_as_information(data_dir, tmp_
     assert history[-1] / graph.degrees_of_freedom == pytest.approx(squared, abs=0.005)
 
 
-# --- graphs without vertices ---
-
 QUARTER = np.pi / 2
 CHAIN = [  # a step of 1 m ahead and a quarter turn left each; the loop is closed wrongly on purpose
     f"EDGE_SE2 4 5 1 0 {QUARTER} 1 0 0 1 0 1",
@@ -393,7 +368,7 @@ CHAIN = [  # a step of 1 m ahead and a quarter turn left each; the loop is close
 ]
 
 
-def test_without_vertex_lines_the_guess_follows_the_fewest_edges_from_the_lowest_pose(tmp_path):
+def test_without_vertex_lines_the_guess_follows_the_fewest_edges_from_the_pose_that_is_held(tmp_path):
     graph, states = read_g2o(written(tmp_path, CHAIN[:3] + CHAIN[4:]))
     assert graph.ids.tolist() == [2, 4, 5, 6, 1]
     assert graph.kinds.tolist() == [POSE] * 4 + [LANDMARK]
@@ -405,19 +380,12 @@ def test_without_vertex_lines_the_guess_follows_the_fewest_edges_from_the_lowest
     poses, _ = graph.split(states)
     # By the edge from 5 back to 2, not through 4
     assert np.allclose(poses[graph.ids[:4] == 5], [(-9, -9, 0)])
-
-
-def test_without_vertex_lines_a_pose_with_a_short_and_a_long_chain_follows_the_short_one(tmp_path):
-    """Pose 4 is two edges from the start by pose 1, and three by poses 2 and 3, which place it elsewhere."""
     ends = [(0, 1, 1), (0, 2, 1), (2, 3, 1), (3, 4, 7), (1, 4, 1)]
     edges = [f"EDGE_SE2 {first} {second} {x} 0 0 1 0 0 1 0 1" for first, second, x in ends]
     for lines in (edges, edges[::-1]):
         graph, states = read_g2o(written(tmp_path, lines))
         poses, _ = graph.split(states)
         assert np.allclose(poses[graph.ids == 4], [(2, 0, 0)])
-
-
-def test_without_vertex_lines_the_pose_that_fix_names_is_at_the_origin(tmp_path):
     graph, states = read_g2o(written(tmp_path, [*CHAIN, "FIX 5"]))
     poses, _ = graph.split(states)
     assert graph.ids.tolist() == [5, 2, 4, 6, 1]
@@ -446,8 +414,6 @@ def test_edges_without_vertices_that_give_no_whole_guess_are_refused(tmp_path, m
     [
         (b"", "got an empty file"),
         (b"# nothing\n\n", "no line begins with VERTEX_SE2"),
-        (b"VERTEX_XY 1 2 3\n", "no line begins with VERTEX_SE2"),
-        (b"VERTEX_SE2 0 \xff 0 0\n", "line 1: expected integers"),
         (b"\x93NUMPY" + bytes(200) + b"1", "is not text"),
     ],
 )
@@ -463,21 +429,12 @@ def test_a_graph_may_have_the_encoding_of_any_editor(tmp_path, encoding):
     assert_same(read_g2o(tmp_path / "graph.g2o")[0], read_g2o(written(tmp_path, GOOD))[0])
 
 
-def test_a_file_that_is_missing_or_too_large_is_refused(tmp_path, monkeypatch):
+def test_a_missing_or_large_file_is_refused_and_nothing_unreadable_is_written(tmp_path, monkeypatch, rng):
     with pytest.raises(ValueError, match="graph.g2o: cannot be read"):
         read_g2o(tmp_path / "graph.g2o")
     monkeypatch.setattr(graph_lines, "LARGEST_GRAPH", 20)
     with pytest.raises(ValueError, match="expected 1 to 20 bytes, got more"):
         read_g2o(written(tmp_path, GOOD))
-
-
-def test_units_do_not_make_an_information_matrix_singular(tmp_path):
-    graph, _ = read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-6 0 0 1e-6 0 1e12")))
-    assert graph.information[1, 2, 2] == 1e12
-    read_g2o(written(tmp_path, changed(7, "EDGE_SE2 7 3 1 0 0 1e-14 0 0 1e-14 0 1")))
-
-
-def test_what_could_not_be_read_again_is_not_written(tmp_path, rng):
     graph, states = some_graph(rng, 3, 1, 4)
     for wrong in (np.nan, 2 * graph_lines.LARGEST_NUMBER):
         states[2] = wrong

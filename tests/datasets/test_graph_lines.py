@@ -50,9 +50,6 @@ def chi2_of_prior(pose) -> float:
     return error @ full(*PRIOR[3:]) @ error
 
 
-# --- priors ---
-
-
 @pytest.mark.parametrize("tag", ["EDGE_PRIOR_SE2", "EDGE_SE2_PRIOR"])
 def test_a_prior_is_an_edge_from_the_pose_that_fix_holds_with_the_same_chi2(tmp_path, tag):
     """It is an edge of the held pose, wherever that pose is and wherever the other one moves."""
@@ -63,25 +60,23 @@ def test_a_prior_is_an_edge_from_the_pose_that_fix_holds_with_the_same_chi2(tmp_
     assert squares(graph, states)[2] == pytest.approx(chi2_of_prior(states[3:6]))
 
 
-def test_a_prior_on_a_landmark_is_an_edge_from_the_held_pose(tmp_path):
+def test_priors_are_edges_from_the_held_pose_which_one_prior_that_agrees_with_its_vertex_is_too(tmp_path):
     graph, states = read_g2o(written(tmp_path, [*VERTICES, *EDGES, "EDGE_PRIOR_XY 2 3.5 0 4 1 9", "FIX 0"]))
     assert graph.edges.tolist() == [[0, 1], [1, 2], [0, 2]]
     error = np.array([3, 1]) - (3.5, 0)
     assert squares(graph, states)[2] == pytest.approx(error @ full(4, 1, 9) @ error)
-
-
-def test_a_prior_on_the_held_pose_is_left_out_and_said(tmp_path):
     lines = [*VERTICES, *EDGES, f"EDGE_PRIOR_SE2 0 {PRIOR_LINE}", "FIX 0"]
     with pytest.warns(UserWarning, match="left out 1 prior of pose 0, because FIX holds it"):
         graph, _ = read_g2o(written(tmp_path, lines))
     assert graph.edges.tolist() == [[0, 1], [1, 2]]
-
-
-def test_one_prior_that_agrees_with_its_vertex_holds_its_pose(tmp_path):
     lines = [*VERTICES, *EDGES, "EDGE_PRIOR_SE2 1 2 2.5 0.9 1 0 0 1 0 1"]
     graph, states = read_g2o(written(tmp_path, lines))
     assert (graph.ids.tolist(), graph.edges.tolist()) == ([1, 0, 2], [[1, 0], [0, 2]])
     assert states[:3].tolist() == [2, 2.5, 0.9]
+    graph, states = read_g2o(written(tmp_path, [*EDGES, "EDGE_PRIOR_SE2 1 5 6 0.5 1 0 0 1 0 1"]))
+    assert graph.ids.tolist() == [1, 0, 2]
+    assert states[:3].tolist() == [5, 6, 0.5]
+    assert squares(graph, states) == pytest.approx([0, 0], abs=1e-20)
 
 
 @pytest.mark.parametrize(
@@ -94,25 +89,13 @@ def test_one_prior_that_agrees_with_its_vertex_holds_its_pose(tmp_path):
     ids=["one, at another place than its vertex", "two", "a landmark's"],
 )
 def test_other_priors_are_edges_from_one_extra_pose_at_the_origin_which_is_said(tmp_path, priors):
-    with pytest.warns(
-        UserWarning, match=f"added pose 3, which is held at the origin, for {len(priors)} prior"
-    ):
+    with pytest.warns(UserWarning, match=f"added pose 3, .* for {len(priors)} prior"):
         graph, states = read_g2o(written(tmp_path, [*VERTICES, *EDGES, *priors]))
     assert graph.ids.tolist() == [3, 0, 1, 2]
     assert states[:3].tolist() == [0, 0, 0]
     assert squares(graph, states)[-1] == pytest.approx(chi2_of_prior(states[6:9]))
     again, values = read_g2o(write_g2o(graph, states, tmp_path / "own.g2o"))
     assert again.edges.tolist() == graph.edges.tolist() and values.tolist() == states.tolist()
-
-
-def test_without_vertex_lines_the_guess_begins_at_the_first_prior(tmp_path):
-    graph, states = read_g2o(written(tmp_path, [*EDGES, "EDGE_PRIOR_SE2 1 5 6 0.5 1 0 0 1 0 1"]))
-    assert graph.ids.tolist() == [1, 0, 2]
-    assert states[:3].tolist() == [5, 6, 0.5]
-    assert squares(graph, states) == pytest.approx([0, 0], abs=1e-20)
-
-
-# --- offsets ---
 
 
 @pytest.mark.parametrize(
@@ -128,32 +111,20 @@ def test_an_edge_between_two_sensors_has_the_chi2_of_their_poses(tmp_path, secon
     lines += [f"VERTEX_SE2 1 2 2.5 {theta}"]
     lines += [f"EDGE_SE2_OFFSET 0 1 7 8 {z.x} {z.y} {z.theta} 10 1 2 20 3 30"]
     graph, states = read_g2o(written(tmp_path, lines))
-    sensors = [
-        Pose(*states[:3]) @ Pose(0.3, -0.1, 1.2),
-        Pose(*states[3:]) @ Pose(*map(float, second.split())),
-    ]
-    error = (z.inverse() @ sensors[0].inverse() @ sensors[1]).as_array()
+    one = Pose(*states[:3]) @ Pose(0.3, -0.1, 1.2)
+    other = Pose(*states[3:]) @ Pose(*map(float, second.split()))
+    error = (z.inverse() @ one.inverse() @ other).as_array()
     assert squares(graph, states)[0] == pytest.approx(error @ full(10, 1, 2, 20, 3, 30) @ error, rel=within)
 
 
-def test_a_landmark_that_a_sensor_measures_is_seen_from_the_sensor(tmp_path):
-    lines = [
-        "PARAMS_SE2OFFSET 7 0.3 -0.1 1.2",
-        *VERTICES,
-        EDGES[0],
-        "EDGE_SE2_POINTXY_OFFSET 1 2 7 1 -2 4 1 9",
-    ]
+def test_a_landmark_is_seen_from_its_sensor_and_bearings_and_priors_of_places_are_said_to_be_left(tmp_path):
+    lines = ["PARAMS_SE2OFFSET 7 0.3 -0.1 1.2", *VERTICES, EDGES[0]]
+    lines += ["EDGE_SE2_POINTXY_OFFSET 1 2 7 1 -2 4 1 9"]
     with pytest.warns(UserWarning, match="1 line with EDGE_SE2_POINTXY_OFFSET; g2o leaves them out"):
         graph, states = read_g2o(written(tmp_path, lines))
     error = (Pose(2, 2.5, 0.9) @ Pose(0.3, -0.1, 1.2)).to_local([3, 1])[0] - (1, -2)
     assert squares(graph, states)[1] == pytest.approx(error @ full(4, 1, 9) @ error)
     read_g2o(written(tmp_path, ["PARAMS_SE2OFFSET 7 0 0 0", *lines[1:]]))  # and nothing is said
-
-
-# --- lines without an edge ---
-
-
-def test_bearings_and_priors_of_positions_are_left_out_with_their_count_and_the_reason(tmp_path):
     lines = [*VERTICES, *EDGES, "EDGE_BEARING_SE2_XY 0 2 0.5 4", "EDGE_BEARING_SE2_XY 1 2 0.5 4"]
     lines.append("EDGE_PRIOR_SE2_XY 0 1 2 1 0 1")
     with warnings.catch_warnings(record=True) as caught:
@@ -174,7 +145,7 @@ def with_matrices(odometry: str, landmark: str) -> list[str]:
     return [f"{STEPS[0]} {odometry}", f"{STEPS[1]} {odometry}", f"{STEPS[2]} {landmark}"]
 
 
-def test_isams_matrices_are_square_roots_row_by_row(tmp_path):
+def test_isams_matrices_are_square_roots_row_by_row_and_victoria_park_has_gtsams_information(tmp_path):
     lines = with_matrices("10 1 2 20 3 30", "4 1 5")
     graph, states = read_g2o(written(tmp_path, lines), form="isam")
     root = np.array([[10, 1, 2], [0, 20, 3], [0, 0, 30]])
@@ -183,6 +154,12 @@ def test_isams_matrices_are_square_roots_row_by_row(tmp_path):
     assert graph.kinds.tolist() == [POSE] * 3 + [LANDMARK]
     assert graph.ids.tolist() == [0, 1, 2, 5]
     assert squares(graph, states) == pytest.approx([0, 0, 0], abs=1e-20)
+    step, seen = "ODOMETRY 0 1 0.000985144 -3.63222e-10 -1.54136e-06", "LANDMARK 0 5 11.5387 -3.2007"
+    lines = [f"{step} 100 0 0 500 0 500", f"{seen} 1.581139 0 1.581139"]
+    isam, _ = read_g2o(written(tmp_path, lines), form="isam")
+    lines = [f"{step} 0.0001 0 0 4e-06 0 4e-06", f"{seen} 0.4 0 0.4"]
+    gtsam, _ = read_g2o(written(tmp_path, lines), form="gtsam")
+    assert np.allclose(isam.information, gtsam.information, rtol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -194,19 +171,7 @@ def test_gtsams_matrices_are_covariances_in_either_order(tmp_path, odometry):
     assert np.allclose(graph.information[2, :2, :2] @ [[0.4, 0.1], [0.1, 0.2]], np.eye(2))
 
 
-def test_victoria_park_has_the_same_information_in_isams_and_gtsams_file(tmp_path):
-    """The first lines of victoriaPark.txt of iSAM and of victoria_park.txt of GTSAM are the same measurements."""
-    step, seen = "ODOMETRY 0 1 0.000985144 -3.63222e-10 -1.54136e-06", "LANDMARK 0 5 11.5387 -3.2007"
-    isam, _ = read_g2o(
-        written(tmp_path, [f"{step} 100 0 0 500 0 500", f"{seen} 1.581139 0 1.581139"]), form="isam"
-    )
-    gtsam, _ = read_g2o(
-        written(tmp_path, [f"{step} 0.0001 0 0 4e-06 0 4e-06", f"{seen} 0.4 0 0.4"]), form="gtsam"
-    )
-    assert np.allclose(isam.information, gtsam.information, rtol=1e-6)
-
-
-def test_a_bearing_and_a_range_are_a_position_with_noise_along_and_across(tmp_path):
+def test_a_bearing_and_a_range_are_a_position_and_place_a_landmark_without_a_vertex_line(tmp_path):
     lines = ["VERTEX2 0 0 0 0", "BR 0 3 0.6 2 0.1 0.5"]
     graph, states = read_g2o(written(tmp_path, [*lines, "VERTEX_XY 3 1 1"]), form="gtsam")
     ahead, left = rotation_2d(0.6).T
@@ -215,17 +180,8 @@ def test_a_bearing_and_a_range_are_a_position_with_noise_along_and_across(tmp_pa
     assert (ahead @ covariance @ ahead, left @ covariance @ left) == pytest.approx((0.5**2, (2 * 0.1) ** 2))
     assert ahead @ covariance @ left == pytest.approx(0, abs=1e-12)
     assert states.tolist() == [0, 0, 0, 1, 1]
-
-
-def test_landmarks_without_a_vertex_line_are_where_their_first_measurement_places_them(tmp_path):
-    """GTSAM's example.graph has VERTEX2 lines of the poses only."""
-    lines = [
-        "VERTEX2 0 1 2 0",
-        "VERTEX2 1 3 2 0",
-        "BR 0 7 0 2 0.1 0.5",
-        "BR 1 7 0 2 0.1 0.5",
-        "BR 1 6 0 1 0.1 0.5",
-    ]
+    lines = ["VERTEX2 0 1 2 0", "VERTEX2 1 3 2 0"]
+    lines += ["BR 0 7 0 2 0.1 0.5", "BR 1 7 0 2 0.1 0.5", "BR 1 6 0 1 0.1 0.5"]
     graph, states = read_g2o(written(tmp_path, lines), form="gtsam")
     assert graph.ids.tolist() == [0, 1, 6, 7]
     assert states[6:].tolist() == [4, 2, 3, 2]
@@ -252,23 +208,21 @@ def test_tags_whose_meaning_depends_on_the_program_are_refused_with_the_call_to_
         read_g2o(written(tmp_path, [*VERTICES, line]))
 
 
-def test_an_edge2_of_isam_is_refused_as_one_of_toro_and_the_message_names_both(tmp_path):
+def test_an_edge2_of_isam_is_refused_as_one_of_toro_and_so_are_unknown_forms_and_repeated_offsets(tmp_path):
     """Every diagonal matrix in iSAM's order is singular in TORO's."""
     lines = ["EDGE2 0 1 0.0929227 0.0811209 -0.023382 3.16228 0 0 3.16228 0 5"]
-    with pytest.raises(
-        ValueError, match="line 1: the information matrix is singular.*TORO's order.*form='isam'"
-    ):
+    with pytest.raises(ValueError, match="line 1: the information .*TORO's order.*form='isam'"):
         read_g2o(written(tmp_path, lines))
     graph, _ = read_g2o(written(tmp_path, lines), form="isam")
     assert np.allclose(np.diag(graph.information[0]), [10, 10, 25], rtol=1e-5)
-
-
-def test_a_form_that_is_not_known_is_refused(tmp_path):
     with pytest.raises(ValueError, match="form must be one of g2o, toro, isam, gtsam, got 'tum'"):
         read_g2o(written(tmp_path, VERTICES), form="tum")
+    with pytest.raises(ValueError, match="line 2: offset 7 is defined twice"):
+        read_g2o(written(tmp_path, ["PARAMS_SE2OFFSET 7 0 0 0"] * 2))
+    lines = [f"LANDMARK {BIG} {BIG} 1 0 1 0 1"]
+    with pytest.raises(ValueError, match="too large to change them"):
+        read_g2o(written(tmp_path, lines), form="isam")
 
-
-# --- wrong lines ---
 
 BIG = 2**63 - 1
 
@@ -276,55 +230,29 @@ BIG = 2**63 - 1
 @pytest.mark.parametrize(
     ("form", "line", "message"),
     [
-        (
-            "g2o",
-            "EDGE_PRIOR_SE2 1 0 0 0 1 0 0 1 0",
-            "EDGE_PRIOR_SE2 needs 1 vertex and 9 numbers, 11 words; got 10",
-        ),
-        ("g2o", "EDGE_PRIOR_SE2 9 0 0 0 1 0 0 1 0 1", "there is no vertex 9"),
         ("g2o", "EDGE_PRIOR_SE2 2 0 0 0 1 0 0 1 0 1", "vertex 2 must be a pose, but it is a landmark"),
         ("g2o", "EDGE_PRIOR_SE2 1 0 0 0 1 2 0 1 0 1", "the information matrix is singular or not"),
-        ("g2o", "EDGE_PRIOR_SE2 1 nan 0 0 1 0 0 1 0 1", "expected numbers within .*got nan as number 1"),
-        ("g2o", "EDGE_PRIOR_SE2 -1 0 0 0 1 0 0 1 0 1", "the number of a vertex must be 0"),
         ("g2o", "EDGE_PRIOR_XY 1 0 0 1 0 1", "vertex 1 must be a landmark, but it is a pose"),
         ("g2o", "EDGE_PRIOR_XY 2 0 0 1 1 1", "the information matrix is singular"),
-        (
-            "g2o",
-            "EDGE_SE2_OFFSET 0 1 7 0 0 0 1 0 0 1 0 1",
-            "2 vertices, 2 offsets and 9 numbers, 14 words; got 13",
-        ),
+        ("g2o", "EDGE_SE2_OFFSET 0 1 7 0 0 0 1 0 0 1 0 1", "2 offsets and 9 numbers, 14 words; got 13"),
         ("g2o", "EDGE_SE2_OFFSET 0 1 7 8 0 0 0 1 0 0 1 0 1", "there is no PARAMS_SE2OFFSET 7"),
-        ("g2o", "EDGE_SE2_OFFSET 0 1 7 0.5 0 0 0 1 0 0 1 0 1", "expected integers"),
-        ("g2o", "EDGE_SE2_POINTXY_OFFSET 0 2 7 1 1 1 0 1", "there is no PARAMS_SE2OFFSET 7"),
         ("g2o", "PARAMS_SE2OFFSET 7 0 0", "PARAMS_SE2OFFSET needs 1 offset and 3 numbers, 5 words; got 4"),
         ("g2o", "PARAMS_SE2OFFSET 7 0 1e16 0", "expected numbers within .*number 2"),
         ("isam", "ODOMETRY 0 1 1 0 0 0 0 0 1 0 1", "the information matrix is singular"),
         ("isam", "ODOMETRY 0 1 1 0 0 1e9 0 0 1 0 1", "expected an information matrix within"),
-        ("isam", "LANDMARK 0 2 1 0 1 0", "LANDMARK needs 2 vertices and 5 numbers, 8 words; got 7"),
-        ("isam", "LANDMARK 8 2 1 0 1 0 1", "there is no vertex 8"),
         ("isam", "BR 0 2 1 1 1 1", "BR is not a tag .*form='gtsam'"),
         ("gtsam", "ODOMETRY 0 1 1 0 0 1 0.5 0 1 0 1", "GTSAM's load2D reads only diagonal covariances"),
-        ("gtsam", "ODOMETRY 0 1 1 0 0 -1 0 0 1 0 1", "the covariance matrix is singular or not"),
         ("gtsam", "ODOMETRY 0 1 1 0 0 1e-310 0 0 1 0 1", "expected an information matrix within"),
         ("gtsam", "LANDMARK 0 2 1 0 1 2 1", "the covariance matrix is singular or not"),
         ("gtsam", "BR 0 2 0.5 0 0.1 0.1", "the range and both standard deviations of BR must be positive"),
         ("gtsam", "BR 0 2 0.5 1 0.1 -0.1", "the range and both standard deviations of BR must be positive"),
         ("gtsam", "BR 0 2 0.5 1 1e-300 0.1", "expected an information matrix within"),
-        ("gtsam", "BR 0 2 0.5 1 0.1", "BR needs 2 vertices and 4 numbers, 7 words; got 6"),
     ],
 )
 def test_a_wrong_line_of_any_tag_is_refused_with_its_file_and_number(tmp_path, form, line, message):
     with pytest.raises(ValueError, match=rf"graph\.g2o, line 6: .*{message}") as caught:
         read_g2o(written(tmp_path, [*VERTICES, *EDGES, line]), form=form)
     assert len(str(caught.value)) < 500
-
-
-def test_an_offset_that_is_defined_twice_and_names_that_are_too_large_to_change_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="line 2: offset 7 is defined twice"):
-        read_g2o(written(tmp_path, ["PARAMS_SE2OFFSET 7 0 0 0"] * 2))
-    lines = [f"LANDMARK {BIG} {BIG} 1 0 1 0 1"]
-    with pytest.raises(ValueError, match="too large to change them"):
-        read_g2o(written(tmp_path, lines), form="isam")
 
 
 EVERY_TAG = [

@@ -22,11 +22,20 @@ def changed(line: int, to: str) -> list[str]:
     return [*GOOD[: line - 1], to, *GOOD[line:]]
 
 
-def test_measurements_and_controls_stand_in_turn(tmp_path):
+def test_measurements_and_controls_stand_in_turn_and_a_written_log_is_read_if_its_shapes_fit(tmp_path, rng):
     log = read_homework_log(written(tmp_path, GOOD))
     assert log.measurements.tolist() == [[0.1, 2.0, -0.2, 3.5]] * 3
     assert log.controls.tolist() == [[1.0, 0.5], [0.5, -0.25]]
     assert log.k == 2
+    log = HomeworkLog(np.abs(rng.normal(size=(8, 6))).round(4), rng.normal(size=(7, 2)).round(4))
+    again = read_homework_log(write_homework_log(log, tmp_path / "own.txt"))
+    assert np.array_equal(again.measurements, log.measurements)
+    assert np.array_equal(again.controls, log.controls)
+    assert (tmp_path / "own.txt").read_text().splitlines()[1].count("\t") == 1
+    with pytest.raises(ValueError, match=r"got the shapes \(3, 4\) and \(3, 2\)"):
+        HomeworkLog(np.zeros((3, 4)), np.zeros((3, 2)))
+    with pytest.raises(ValueError, match="HomeworkLog has"):
+        HomeworkLog(np.zeros((3, 3)), np.zeros((2, 2)))
 
 
 @pytest.mark.parametrize("text", [SEEN, SEEN + "\t\r\n\r\n"])
@@ -38,26 +47,14 @@ def test_one_line_a_mark_at_the_beginning_and_empty_lines_at_the_end_are_a_log(t
     assert log.measurements.shape == (1, 4) and log.controls.shape == (0, 2)
 
 
-def test_what_is_written_is_read_again(tmp_path, rng):
-    log = HomeworkLog(np.abs(rng.normal(size=(8, 6))).round(4), rng.normal(size=(7, 2)).round(4))
-    again = read_homework_log(write_homework_log(log, tmp_path / "own.txt"))
-    assert np.array_equal(again.measurements, log.measurements)
-    assert np.array_equal(again.controls, log.controls)
-    assert (tmp_path / "own.txt").read_text().splitlines()[1].count("\t") == 1
-
-
 @pytest.mark.parametrize(
     ("line", "to", "message"),
     [
         (3, "0.1 2.0 -0.2", "line 3: each landmark has a bearing and a range, got 3 numbers"),
         (3, "0.1 2.0", "line 3: expected 4 numbers, as in the first line, got 2"),
-        (5, SEEN + " 1 1", "line 5: expected 4 numbers, as in the first line, got 6"),
         (2, "1.0", "line 2: a control is a distance and a turn, got 1 number$"),
-        (2, SEEN, "line 2: a control is a distance and a turn, got 4 numbers"),
         (3, "0.1 2.0 nan 3.5", "line 3: expected a number within .*got 'nan'"),
-        (4, "-1e7 0", "line 4: expected a number within .*got '-1e7'"),
         (4, "1_0 0", "line 4: expected a number within .*got '1_0'"),
-        (2, "1,0 0,5", "line 2: expected a number within .*got '1,0'"),
         (5, "0.1 2.0 -0.2 -3.5", "line 5: the range of landmark 1 is negative"),
         (3, "", "line 3: the line is empty"),
         (2, "x" * 5000 + " 0", "line 2: expected a number"),
@@ -93,13 +90,6 @@ def test_a_file_that_is_missing_or_no_text_is_refused_by_its_name(tmp_path):
         read_homework_log(tmp_path / "data.txt")
 
 
-def test_shapes_that_do_not_fit_are_no_log():
-    with pytest.raises(ValueError, match=r"got the shapes \(3, 4\) and \(3, 2\)"):
-        HomeworkLog(np.zeros((3, 4)), np.zeros((3, 2)))
-    with pytest.raises(ValueError, match="HomeworkLog has"):
-        HomeworkLog(np.zeros((3, 3)), np.zeros((2, 2)))
-
-
 def test_the_homeworks_own_log_has_six_landmarks_and_turns_last(data_dir):
     log = read_homework_log(data_dir / "slam" / "cmu16833_hw2" / "data.txt")
     assert (log.k, log.measurements.shape, log.controls.shape) == (6, (30, 12), (29, 2))
@@ -131,13 +121,11 @@ def test_freiburgs_sights_name_rows_and_have_the_bearing_first(tmp_path):
     [
         ("world.dat", 2, "7 0", "line 2: expected a landmark, x and y, got 2 numbers"),
         ("world.dat", 2, "1 0 4", "line 2: landmark '1' is defined twice"),
-        ("world.dat", 1, "1 nan 4", "line 1: expected a number"),
         ("sensor_data.dat", 1, "SENSOR 1 2.0 0", "line 1: a measurement before the first ODOMETRY"),
         ("sensor_data.dat", 2, "SENSOR 7 4.0", "line 2: expected ODOMETRY or SENSOR and three numbers"),
         ("sensor_data.dat", 2, "LASER 7 4.0 0", "line 2: expected ODOMETRY or SENSOR .*'LASER 7 4.0 0'"),
         ("sensor_data.dat", 3, "SENSOR 7 4.0 0.5", "line 3: landmark '7' is measured twice"),
         ("sensor_data.dat", 3, "SENSOR 2 4.0 0.5", "line 3: landmark '2' is not in world.dat"),
-        ("sensor_data.dat", 4, "ODOMETRY 0 nan 0", "line 4: expected a number within .*'nan'"),
         ("sensor_data.dat", 3, "", "line 3: the line is empty"),
     ],
 )

@@ -46,7 +46,7 @@ def with_line(name: str, line: int, to: str) -> dict[str, list[str]]:
     return FILES | {name: [*lines[: line - 1], to, *lines[line:]]}
 
 
-def test_barcodes_name_landmarks_and_measurements_of_one_time_are_kept(tmp_path):
+def test_barcodes_name_landmarks_and_a_missing_empty_or_large_file_is_refused_by_name(tmp_path, monkeypatch):
     log = read_mrclam_log(folder_of(tmp_path, FILES))
     assert log.names.tolist() == [9, 11]
     assert log.landmarks.tolist() == [[2.31446307, 3.374987], [1.3213326, 1.3957016]]
@@ -55,6 +55,13 @@ def test_barcodes_name_landmarks_and_measurements_of_one_time_are_kept(tmp_path)
     assert log.indices.tolist() == [1, 0, 1]
     assert log.measurements.tolist() == [[0.025, 2.148], [-0.015, 3.309], [0.024, 2.033]]
     assert log.truth.tolist() == [[1248272272.841, 1.4127729, -3.8910776, 2.2696]]
+    with pytest.raises(ValueError, match=r"Robot3_Odometry\.dat: cannot be read"):
+        read_mrclam_log(folder_of(tmp_path, FILES), robot=3)
+    with pytest.raises(ValueError, match=r"Barcodes\.dat: expected lines of numbers, got an empty file"):
+        read_mrclam_log(folder_of(tmp_path, FILES | {"Barcodes.dat": [""]}))
+    monkeypatch.setattr(mrclam, "LARGEST_FILE", 80)
+    with pytest.raises(ValueError, match=r"Landmark_Groundtruth\.dat: expected 1 to 80 bytes, got more"):
+        read_mrclam_log(folder_of(tmp_path, FILES))
 
 
 @pytest.mark.parametrize(
@@ -74,34 +81,11 @@ def test_measurements_of_robots_and_of_unknown_barcodes_are_left_out_and_said(tm
 @pytest.mark.parametrize(
     ("name", "line", "to", "message"),
     [
-        (
-            "Barcodes.dat",
-            2,
-            "2 14 3",
-            "Barcodes.dat, line 2: expected a subject and its barcode, got '2 14 3'",
-        ),
+        ("Barcodes.dat", 2, "2 14 3", "Barcodes.dat, line 2: expected a subject and its barcode"),
         ("Barcodes.dat", 2, "2 90", "Barcodes.dat: expected another integer in each line"),
-        ("Barcodes.dat", 2, "2 14.5", "Barcodes.dat: expected another integer in each line"),
-        ("Landmark_Groundtruth.dat", 2, "11 0 0 0 0", "Landmark_Groundtruth.dat: expected another integer"),
         ("Landmark_Groundtruth.dat", 2, "9 0 0", "line 2: expected a landmark, x, y and two"),
-        (
-            "Robot1_Odometry.dat",
-            3,
-            "1 nan 0",
-            "Robot1_Odometry.dat, line 3: expected a number within .*'nan'",
-        ),
-        (
-            "Robot1_Odometry.dat",
-            3,
-            "1 0.074",
-            "Robot1_Odometry.dat, line 3: expected a time and two velocities",
-        ),
-        (
-            "Robot1_Measurement.dat",
-            4,
-            "1 90 1e11 0",
-            "Robot1_Measurement.dat, line 4: expected a number within",
-        ),
+        ("Robot1_Odometry.dat", 3, "1 nan 0", "Robot1_Odometry.dat, line 3: expected a number .*'nan'"),
+        ("Robot1_Odometry.dat", 3, "1 0.074", "line 3: expected a time and two velocities"),
         ("Robot1_Measurement.dat", 4, "1 90 1_0 0", "line 4: expected a number within .*'1_0'"),
         ("Robot1_Groundtruth.dat", 2, "1 0 0 x", "Robot1_Groundtruth.dat, line 2: expected a number .*'x'"),
     ],
@@ -110,16 +94,6 @@ def test_a_wrong_line_is_refused_with_its_file_and_number(tmp_path, name, line, 
     with pytest.raises(ValueError, match=message) as caught:
         read_mrclam_log(folder_of(tmp_path, with_line(name, line, to)))
     assert len(str(caught.value)) < 300
-
-
-def test_a_file_that_is_missing_or_empty_or_too_large_is_refused_by_its_name(tmp_path, monkeypatch):
-    with pytest.raises(ValueError, match=r"Robot3_Odometry\.dat: cannot be read"):
-        read_mrclam_log(folder_of(tmp_path, FILES), robot=3)
-    with pytest.raises(ValueError, match=r"Barcodes\.dat: expected lines of numbers, got an empty file"):
-        read_mrclam_log(folder_of(tmp_path, FILES | {"Barcodes.dat": [""]}))
-    monkeypatch.setattr(mrclam, "LARGEST_FILE", 80)
-    with pytest.raises(ValueError, match=r"Landmark_Groundtruth\.dat: expected 1 to 80 bytes, got more"):
-        read_mrclam_log(folder_of(tmp_path, FILES))
 
 
 @settings(max_examples=80, deadline=None)

@@ -43,7 +43,7 @@ def write(folder: Path, annotations: Any, name: str = "scenes") -> Path:
     return folder
 
 
-def test_the_reader_gives_back_what_the_file_says_in_rgb_rows_first(tmp_path):
+def test_the_reader_gives_back_what_the_file_says_and_refuses_a_small_file_that_claims_to_be_huge(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     assert picture.name == "scene_001.png"
     assert picture.path == tmp_path / "amsterdam_2013" / "scenes" / "scene_001.png"
@@ -54,9 +54,15 @@ def test_the_reader_gives_back_what_the_file_says_in_rgb_rows_first(tmp_path):
     assert picture.pixels.dtype == np.uint8
     point = picture.points[0]
     assert picture.pixels[int(point.v), int(point.u)].tolist() == [255, 0, 0]
+    (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
+    contents = bytearray(picture.path.read_bytes())
+    contents[16:24] = (60_000).to_bytes(4, "big") * 2
+    picture.path.write_bytes(contents)
+    with pytest.raises(ValueError, match="got 60000 x 60000"):
+        _ = picture.pixels
 
 
-def test_a_picture_is_read_when_first_asked_for_kept_and_cannot_be_changed_by_accident(tmp_path):
+def test_a_picture_is_read_when_first_asked_for_and_its_larger_version_where_there_is_one(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     with pytest.raises(ValueError, match="read-only"):
         picture.pixels[0, 0] = 1
@@ -69,9 +75,6 @@ def test_a_picture_is_read_when_first_asked_for_kept_and_cannot_be_changed_by_ac
     assert picture.pixels is first
     with pytest.raises(ValueError, match=r"scene_001\.png"):
         picture.read()
-
-
-def test_the_larger_version_is_read_where_there_is_one(tmp_path):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     assert not picture.has_large
     with pytest.raises(ValueError, match=r"scene_001\.png has no version of 1280 x 960"):
@@ -82,11 +85,18 @@ def test_the_larger_version_is_read_where_there_is_one(tmp_path):
     assert picture.read(large=True).shape == (960, 1280, 3)
 
 
-def test_a_picture_without_points_is_a_picture_in_the_folder_of_the_environment(tmp_path, monkeypatch):
+def test_a_picture_may_have_no_points_but_a_missing_annotation_or_set_is_refused(tmp_path, monkeypatch):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry(points=[])]))
     assert picture.points == ()
     monkeypatch.setenv("NAO_COURSE_DATA", str(write(tmp_path, [entry()])))
     assert len(read_pictures("scenes")) == 1
+    with pytest.raises(ValueError, match=r"straightwalk.annotations\.json: cannot be read"):
+        read_pictures("straightwalk", write(tmp_path, [entry()]))
+    (tmp_path / "amsterdam_2013" / "scenes" / "annotations.json").write_bytes(b"\xff\xfe\xff")
+    with pytest.raises(ValueError, match=r"annotations\.json: it is not text"):
+        read_pictures("scenes", tmp_path)
+    with pytest.raises(ValueError, match=r"'scenes', 'straightwalk'.*got '\.\./scenes'"):
+        read_pictures("../scenes", tmp_path)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -102,17 +112,14 @@ def test_a_picture_without_points_is_a_picture_in_the_folder_of_the_environment(
         ({"file": "scene_002.png"}, "no such picture"),
         ({"x_m": "1.0"}, "x_m must be a number"),
         ({"x_m": ...}, "x_m must be a number.*nothing"),
-        ({"y_m": [1.0]}, "y_m must be a number.*a list of 1"),
         ({"y_m": 10**400}, "y_m must be a number"),
         ({"theta_deg": None}, "theta_deg must be a number"),
         ({"head_pitch_rad": -31.0}, "head_pitch_rad must be a number"),
         ({"head_yaw_rad": {}}, "head_yaw_rad must be a number"),
-        ({"points": ...}, "points must be a list"),
         ({"points": [{"kind": "X", "u": 1, "v": 1}] * 2000}, "points must be a list of at most 1000"),
         ({"points": [[1, 2]]}, "point 0: expected an object"),
         ({"points": [{"kind": "Y", "u": 1, "v": 1}]}, "point 0: kind must be one of"),
         ({"points": [{"kind": "X", "u": 1, "v": 1}, {"kind": "X", "u": 1}]}, "point 1: v must be a number"),
-        ({"points": [{"kind": "X", "u": 1e9, "v": 1}]}, "point 0: u must be a number"),
     ],
 )
 def test_a_wrong_entry_is_refused_with_the_file_and_the_entrys_number(tmp_path, changes, message):
@@ -127,15 +134,12 @@ def test_a_wrong_entry_is_refused_with_the_file_and_the_entrys_number(tmp_path, 
     [
         ("", "empty"),
         ("[]", "list of 1"),
-        ("null", "list of 1"),
         ("[1]", "entry 0: expected an object"),
         ("[{", "is not JSON"),
         ("[" * 200_000, "nested too deeply|is not JSON"),
         ("[" + "9" * 10_000 + "]", "is not JSON"),
-        ("[" + "0," * 20_000 + "0]", "list of 1"),
         (" " * (LARGEST_ANNOTATIONS + 1), "got more"),
         (json.dumps([entry(x_m=float("nan"))]), "NaN is not a JSON number"),
-        (json.dumps([entry(x_m=float("inf"))]), "Infinity is not a JSON number"),
         (json.dumps([entry()]).replace("1.0", "1e999"), "x_m must be a number"),
         (json.dumps([entry(), entry()]), "entry 1: the picture 'scene_001.png' is annotated twice"),
     ],
@@ -146,34 +150,12 @@ def test_a_wrong_file_is_refused_by_its_name(tmp_path, text, message):
         read_pictures("scenes", write(tmp_path, text))
 
 
-def test_a_missing_annotation_file_or_one_of_another_encoding_is_refused_by_its_name(tmp_path):
-    with pytest.raises(ValueError, match=r"straightwalk.annotations\.json: cannot be read"):
-        read_pictures("straightwalk", write(tmp_path, [entry()]))
-    (tmp_path / "amsterdam_2013" / "scenes" / "annotations.json").write_bytes(b"\xff\xfe\xff")
-    with pytest.raises(ValueError, match=r"annotations\.json: it is not text"):
-        read_pictures("scenes", tmp_path)
-
-
-@pytest.mark.parametrize("kept", [0, 4, 20, 60])
+@pytest.mark.parametrize("kept", [0, 60])
 def test_a_damaged_picture_is_refused_by_its_name(tmp_path, kept):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     picture.path.write_bytes(picture.path.read_bytes()[:kept])
     with pytest.raises(ValueError, match=r"scene_001\.png: "):
         _ = picture.pixels
-
-
-def test_a_small_file_that_claims_to_be_a_huge_picture_is_refused_before_it_is_decoded(tmp_path):
-    (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
-    contents = bytearray(picture.path.read_bytes())
-    contents[16:24] = (60_000).to_bytes(4, "big") * 2
-    picture.path.write_bytes(contents)
-    with pytest.raises(ValueError, match="got 60000 x 60000"):
-        _ = picture.pixels
-
-
-def test_an_unknown_set_is_refused_with_the_known_ones(tmp_path):
-    with pytest.raises(ValueError, match=r"'scenes', 'straightwalk'.*got '\.\./scenes'"):
-        read_pictures("../scenes", tmp_path)  # type: ignore[arg-type]
 
 
 def test_the_real_sets_have_their_published_numbers(data_dir):

@@ -34,7 +34,7 @@ def test_an_error_that_the_known_variance_explains_says_nothing_and_the_factor_s
     assert np.allclose(noise.covariance(TURN), OdometryNoisePerMove(factor=2.0).covariance(TURN))
 
 
-def test_a_motion_is_predicted_once_with_the_noise_that_its_own_compass_reading_shows(ekf):
+def test_a_motion_is_predicted_once_with_the_noise_that_its_compass_reading_shows_unless_it_is_stated(ekf):
     joint, alone = JointUpdate(ekf(Pose(0, 0, 0))), ekf(Pose(0, 0, 0))
     before = joint.odometry.factor
     joint.move(TURN)
@@ -48,9 +48,6 @@ def test_a_motion_is_predicted_once_with_the_noise_that_its_own_compass_reading_
     after = joint.odometry.factor
     joint.observe(MORE)  # of the same stop: it measures the same error of the motion
     assert joint.odometry.factor == after
-
-
-def test_with_one_factor_the_stated_noise_is_used(ekf):
     joint, alone = JointUpdate(ekf(Pose(0, 0, 0)), (1.0,)), ekf(Pose(0, 0, 0))
     for each in (joint, alone):
         for _ in range(3):

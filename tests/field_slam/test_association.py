@@ -20,7 +20,7 @@ def test_joint_association_succeeds_although_a_tilt_has_moved_all_measurements()
     assert indices.tolist() == [0, 1, 2, 3]
 
 
-def test_a_landmark_is_taken_by_one_measurement_of_its_kind_at_most():
+def test_a_landmark_is_taken_by_one_measurement_of_its_kind_at_most_and_contradicted_ones_are_left_out():
     state = np.array([0.0, 0.0, 0.0, 2.0, 0.0])
     seen = as_observation([Measurement(0.0, 2.0, "post")])
     found = associate_jointly(state, np.eye(5) * 1e-4, ["corner"], seen, seen.covariance, 4.0)
@@ -28,6 +28,9 @@ def test_a_landmark_is_taken_by_one_measurement_of_its_kind_at_most():
     seen = as_observation([Measurement(0.0, 2.0), Measurement(0.01, 2.0)])
     found = associate_jointly(state, np.eye(5) * 1e-4, ["corner"], seen, seen.covariance, 4.0)
     assert sorted(found.tolist()) == [-1, 0]
+    bearings = np.array([-0.8, 0.0, 0.8])
+    assert with_uncertain_heading(bearings, bearings + (-0.1, 0.15, 0.15), 0.01) == [-1, 1, 2]
+    assert with_uncertain_heading(np.array([0.0, -0.12, 0.8]), [0.03, 0.95], 0.03) == [1, 2]
 
 
 def with_uncertain_heading(bearings, measured, measurement_sigma) -> list[int]:
@@ -38,17 +41,6 @@ def with_uncertain_heading(bearings, measured, measurement_sigma) -> list[int]:
     R = np.diag([measurement_sigma**2, 1e-2] * len(measured))
     seen = [Measurement(float(bearing), 2.0) for bearing in measured]
     return associate_jointly(state, covariance, ["corner"] * len(marks), seen, R, 4.0).tolist()
-
-
-def test_a_measurement_is_left_out_if_two_others_that_contradict_it_fit_together():
-    """The first measurement fits its landmark best alone, but the others agree that the heading has an error."""
-    bearings = np.array([-0.8, 0.0, 0.8])
-    assert with_uncertain_heading(bearings, bearings + (-0.1, 0.15, 0.15), 0.01) == [-1, 1, 2]
-
-
-def test_of_two_assignments_of_the_same_size_the_one_with_the_smaller_joint_distance_is_returned():
-    """The first measurement is nearer to landmark 0, but only landmark 1 agrees with the other about the heading."""
-    assert with_uncertain_heading(np.array([0.0, -0.12, 0.8]), [0.03, 0.95], 0.03) == [1, 2]
 
 
 @pytest.mark.parametrize("pairs", [1, 2, 5])

@@ -19,7 +19,7 @@ from tests.field_slam.test_observation import HEAD_PITCH
 from tests.paths import PROJECT
 
 FIELD = Field(2012)
-OFFSETS = [(0.0, 0.0), (8.0, 3.0), (-8.0, -3.0), (4.0, -2.0)]  # degrees
+OFFSETS = [(8.0, 3.0), (-8.0, -3.0), (4.0, -2.0)]  # degrees
 
 
 def pictures(seed, number, offset=(0.0, 0.0)):
@@ -39,9 +39,8 @@ def pictures(seed, number, offset=(0.0, 0.0)):
         feet = FIELD.posts - POST_RADIUS * bearings / np.linalg.norm(bearings, axis=1, keepdims=True)
         posts = true.project(feet, pose)
         posts = posts[true.contains(posts)]
-        found.append(
-            (lines + rng.normal(0, 0.25, lines.shape), posts + rng.normal(0, 0.7, posts.shape), joints)
-        )
+        lines += rng.normal(0, 0.25, lines.shape)
+        found.append((lines, posts + rng.normal(0, 0.7, posts.shape), joints))
     return found
 
 
@@ -75,7 +74,7 @@ def test_the_errors_of_many_calibrations_agree_with_their_covariance():
     assert low / 2 < np.mean(nees) < high
 
 
-def test_a_wrong_picture_does_not_pull_the_offset():
+def test_a_wrong_or_empty_picture_does_not_pull_the_offset_and_a_goal_alone_gives_the_pitch():
     offset = (5.0, -1.0)
     own = calibrated(2, 20, offset)
     before, sigmas = own.mean, np.sqrt(np.diag(own.covariance))
@@ -87,9 +86,6 @@ def test_a_wrong_picture_does_not_pull_the_offset():
     for each in other:
         alone.update(*each)
     assert np.degrees(alone.mean[0]) < 2.5  # so the picture does show something else
-
-
-def test_a_picture_without_lines_and_goal_changes_nothing_and_a_goal_alone_gives_the_pitch():
     own = calibrated(4, 5, (2.0, 1.0))
     mean, covariance = own.mean, own.covariance
     own.update(np.zeros((0, 4)), np.zeros((0, 2)), NAO_V4.view("bottom", 0.3, HEAD_PITCH))
@@ -102,13 +98,10 @@ def test_a_picture_without_lines_and_goal_changes_nothing_and_a_goal_alone_gives
     assert np.sqrt(own.covariance[0, 0]) < 0.7 * calibration.PRIOR_SIGMAS[0]
 
 
-def test_the_offset_turns_with_the_head_and_the_sway_does_not():
+def test_the_offset_turns_with_the_head_and_the_view_for_reading_approaches_the_calibrated_one():
     own = CameraCalibration((0.05, 0.01), (0.02, 0.02))
     ahead, left = (own.tilt_covariance(NAO_V4.view("bottom", yaw, HEAD_PITCH)) for yaw in (0.0, np.pi / 2))
     assert np.allclose(np.diag(ahead), np.diag(left)[::-1], rtol=1e-6) and ahead[0, 0] > 2 * ahead[1, 1]
-
-
-def test_the_view_for_reading_approaches_the_calibrated_one():
     view = NAO_V4.view("bottom", 0.0, HEAD_PITCH)
     own = CameraCalibration()
     lower = own.reading_view(view).pitch - view.pitch
@@ -128,6 +121,4 @@ def test_the_docs_state_how_well_simulated_cameras_are_calibrated():
         assert f"| {number} | {' | '.join(f'{row[key]:.2f}' for key in keys)} |" in docs
     low, high = found["NEES band"]
     assert f"lies between {low:.2f} and {high:.2f}" in docs
-    assert all(
-        low / 1.01 < row["NEES mean"] < high for number, row in found["after"].items() if number != "1"
-    )
+    assert all(low / 1.01 < row["NEES mean"] < high for one, row in found["after"].items() if one != "1")

@@ -55,7 +55,7 @@ def piece_of_circle(view) -> np.ndarray:
     return view.project(points, here).reshape(1, 4)
 
 
-def test_support_is_the_length_of_lines_that_agree_less_that_of_others():
+def test_support_is_the_length_of_lines_that_agree_less_that_of_others_and_a_piece_of_a_circle_has_none():
     view = replace(VIEW, k1=0.0)
     true = tilted(view, 0.04, -0.02)
     lines = lines_in(true, POSE)
@@ -66,9 +66,6 @@ def test_support_is_the_length_of_lines_that_agree_less_that_of_others():
     assert support(lines, view, tilt) == pytest.approx(length, rel=0.02)
     turned = replace(tilt, direction=tilt.direction + 0.3)
     assert support(lines, view, turned) == pytest.approx(-length, rel=0.02)
-
-
-def test_a_piece_of_a_circle_is_no_compass_where_lines_must_agree():
     view = replace(VIEW, k1=0.0)
     piece, lines = piece_of_circle(view), lines_in(VIEW, POSE)
     never = float("-inf")

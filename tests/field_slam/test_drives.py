@@ -17,7 +17,7 @@ def test_odometry_is_a_tenth_of_the_way_and_of_the_turn_alike_to_both_sides():
     assert np.allclose(covariances, covariances[0])
 
 
-def test_a_drive_is_long_turns_and_stays_on_the_field():
+def test_a_drive_is_long_and_turns_and_stays_on_the_field_and_walks_whole_steps_where_there_is_room():
     for seed in range(5):
         pose, driver, motions = start_of(seed), Driver(np.random.default_rng([seed, 13])), []
         for _ in range(60):
@@ -27,6 +27,12 @@ def test_a_drive_is_long_turns_and_stays_on_the_field():
         assert sum(motion.distance for motion in motions) >= 12
         assert np.degrees(sum(abs(motion.turn) for motion in motions)) >= 720
         assert abs(wrap_angle(start_of(seed).theta)) < np.pi / 2
+    ahead = Pose(1.5, -1.5, np.pi / 2)  # a goal straight ahead can be far enough away
+    turns = [abs(np.degrees(Driver(np.random.default_rng(seed)).next(ahead).turn)) for seed in range(40)]
+    assert min(turns) > 30 and max(turns) == pytest.approx(50)
+    for degrees in (0, 90, 180, -90, 45):  # with room ahead it walks a whole step in every direction
+        pose = Pose(1.5, 0.0, np.radians(degrees))
+        assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(STEP)
 
 
 def test_room_ends_at_the_edge_where_a_robot_stops():
@@ -37,20 +43,8 @@ def test_room_ends_at_the_edge_where_a_robot_stops():
     slanted = room_ahead(np.array([1.0, INSIDE[1][1] - 0.1, np.pi / 6]), 0.3)
     assert slanted == pytest.approx(0.2)
     for pose, room in (
-        (Pose(2.65, 0.0, 0.0), 0.1),
-        (Pose(1.0, -1.75, -np.pi / 2), 0.0),
+        (Pose(2.65, 0, 0), 0.1),
+        (Pose(1, -1.75, -np.pi / 2), 0),
         (Pose(0.35, 1.0, np.pi), 0.1),
     ):
         assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(room, abs=1e-9)
-
-
-def test_a_new_goal_needs_a_turn_of_more_than_30_degrees_and_a_move_turns_by_at_most_50():
-    ahead = Pose(1.5, -1.5, np.pi / 2)  # a goal straight ahead can be far enough away
-    turns = [abs(np.degrees(Driver(np.random.default_rng(seed)).next(ahead).turn)) for seed in range(40)]
-    assert min(turns) > 30 and max(turns) == pytest.approx(50)
-
-
-@pytest.mark.parametrize("degrees", [0, 90, 180, -90, 45])
-def test_a_robot_with_room_ahead_walks_a_whole_step_in_every_direction(degrees):
-    pose = Pose(1.5, 0.0, np.radians(degrees))
-    assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(STEP)

@@ -6,19 +6,11 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from nao_course.field_slam import likelihood as model
 from nao_course.field_slam.compass import wrap_quarter
 from nao_course.field_slam.hypotheses import MOST, Hypothesis, MultipleHypotheses, without
 from nao_course.field_slam.joint_update import JointUpdate, LineObservation
-from nao_course.field_slam.likelihood import (
-    CIRCLES,
-    IGNORED,
-    LINES,
-    UNEXPLAINED,
-    compass_log_densities,
-    gaussian_log_density,
-    landmark_log_densities,
-    line_log_densities,
-)
+from nao_course.field_slam.likelihood import compass_log_densities, landmark_log_densities, line_log_densities
 from nao_course.field_slam.observation import observation
 from nao_course.geometry import Pose
 from nao_course.slam import Measurement, Motion, range_and_bearing
@@ -31,13 +23,10 @@ STEP = Motion(0.3, 0.0)
 def seen_from(pose: Pose, corners=CORNERS, compass=float("inf"), lines=()) -> LineObservation:
     """Return what a robot without errors sees, with the stated covariance."""
     found = [Measurement(*range_and_bearing(pose.as_array(), at), "corner") for at in corners]
-    seen = observation(
-        found, (1e-3, 1e-3), direction=float(wrap_quarter(-pose.theta)), direction_sigma=compass
-    )
+    direction = float(wrap_quarter(-pose.theta))
+    seen = observation(found, (1e-3, 1e-3), direction=direction, direction_sigma=compass)
     lines = np.array(lines, dtype=float).reshape(-1, 3)
-    return LineObservation(
-        seen.measurements, seen.covariance, seen.direction, compass, seen.tilt, lines=lines
-    )
+    return LineObservation(seen.measurements, seen.covariance, direction, compass, seen.tilt, lines=lines)
 
 
 @pytest.fixture
@@ -48,14 +37,11 @@ def joint(jointly):
 other = alone = joint  # a second filter like the first
 
 
-def test_the_gaussian_log_density_is_scipys(rng):
+def test_the_gaussian_log_density_is_scipys_and_densities_integrate_to_what_they_stand_for(rng):
     root = rng.normal(size=(4, 4))
     S, nu = root @ root.T + np.eye(4), rng.normal(size=4)
-    assert gaussian_log_density(nu, S) == pytest.approx(multivariate_normal(np.zeros(4), S).logpdf(nu))
-    assert gaussian_log_density(np.zeros(0), np.zeros((0, 0))) == 0.0
-
-
-def test_densities_of_a_compass_and_of_landmarks_integrate_to_what_they_stand_for():
+    assert model.gaussian_log_density(nu, S) == pytest.approx(multivariate_normal(np.zeros(4), S).logpdf(nu))
+    assert model.gaussian_log_density(np.zeros(0), np.zeros((0, 0))) == 0.0
     angles = np.linspace(-np.pi / 4, np.pi / 4, 20001)
     each = np.exp([compass_log_densities(float(at), 0.03**2) for at in angles])
     assert np.trapezoid(each[:, 0], angles) == pytest.approx(1.0, abs=1e-3)
@@ -67,25 +53,11 @@ def test_densities_of_a_compass_and_of_landmarks_integrate_to_what_they_stand_fo
         for r in ranges
     ]
     assert 2 * np.pi * np.trapezoid(of_range, ranges) == pytest.approx(
-        UNEXPLAINED["corner"] * np.pi * 2.0**2, rel=1e-3
+        model.UNEXPLAINED["corner"] * np.pi * 2.0**2, rel=1e-3
     )
 
 
-def test_what_is_ignored_counts_whether_or_not_the_map_explains_it():
-    seen = seen_from(START)
-    for explained in ([True] * 4, [False] * 4):
-        used, ignored = landmark_log_densities(seen, explained)
-        assert (used == 0.0) == explained[0]
-        assert ignored == pytest.approx(landmark_log_densities(seen, [False] * 4)[0] + 4 * np.log(IGNORED))
-    assert line_log_densities(2, 1, 2, 1)[0] == 0.0 > line_log_densities(2, 1, 1, 1)[0]
-    assert compass_log_densities(0.1, float("inf")) == (0.0, 0.0)
-    expected = 2 * np.log(IGNORED * LINES) + np.log(IGNORED * CIRCLES)
-    assert line_log_densities(2, 1, 2, 1)[1] == pytest.approx(expected)
-
-
-def test_the_likelihood_of_the_rest_of_a_picture_is_that_of_a_filter_that_never_saw_the_ignored_part(
-    joint, other
-):
+def test_the_likelihood_of_the_rest_of_a_picture_is_of_a_filter_that_never_saw_the_ignored_part(joint, other):
     line = (2.0, 0.3, np.pi / 2)
     for each in (joint, other):
         each.observe(seen_from(START, compass=0.01, lines=[line]))
@@ -186,13 +158,24 @@ def test_probabilities_add_up_and_no_more_than_the_most_are_kept(joint):
         assert probabilities == sorted(probabilities, reverse=True)
 
 
-def test_without_leaves_the_rest_of_an_observation():
+def test_what_is_ignored_counts_whether_or_not_the_map_explains_it_and_without_leaves_the_rest():
     seen = seen_from(START, compass=0.01, lines=[(1.0, 0.0, 0.0)])
     assert len(without(seen, ["landmarks"])) == 0 and len(without(seen, ["landmarks"]).lines) == 1
     assert len(without(seen, ["lines"])) == 4 and len(without(seen, ["lines"]).lines) == 0
     assert np.isinf(without(seen, ["compass", "lines"]).direction_sigma)
     plain = observation([], direction_sigma=0.1)
     assert without(plain, ["lines"]) is plain
+    seen = seen_from(START)
+    for explained in ([True] * 4, [False] * 4):
+        used, ignored = landmark_log_densities(seen, explained)
+        assert (used == 0.0) == explained[0]
+        assert ignored == pytest.approx(
+            landmark_log_densities(seen, [False] * 4)[0] + 4 * np.log(model.IGNORED)
+        )
+    assert line_log_densities(2, 1, 2, 1)[0] == 0.0 > line_log_densities(2, 1, 1, 1)[0]
+    assert compass_log_densities(0.1, float("inf")) == (0.0, 0.0)
+    expected = 2 * np.log(model.IGNORED * model.LINES) + np.log(model.IGNORED * model.CIRCLES)
+    assert line_log_densities(2, 1, 2, 1)[1] == pytest.approx(expected)
 
 
 def test_the_second_nearest_heading_of_the_compass_is_a_quarter_turn_away(joint):

@@ -63,34 +63,17 @@ def test_pieces_of_the_circle_tell_its_middle_whichever_end_comes_first(pose):
         assert np.allclose(found.centre, pose.to_local(np.zeros((1, 2)))[0], atol=0.006)
 
 
-def test_long_arcs_on_one_side_suggest_the_centre_although_their_chords_are_inside_the_circle():
+def test_long_arcs_on_one_side_suggest_the_centre_and_two_pieces_or_a_straight_line_tell_none():
     pose = Pose(1.5, 0.0, np.pi)
     found = find_circle(pieces(pose, 7, 0.4, np.pi), VIEW)
     assert found is not None
     assert np.allclose(found.centre, pose.to_local(np.zeros((1, 2)))[0], atol=0.06)
-
-
-def test_two_pieces_or_pieces_side_by_side_or_of_a_straight_line_tell_none():
     pose = Pose(1.6, 0.0, np.pi)
     assert find_circle(pieces(pose)[:2], VIEW) is None
     assert find_circle(pieces(pose, 6, 0.1, 0.15), VIEW) is None
     straight = [VIEW.project(np.array([(1.2, y), (1.2, y + 0.2)])).ravel() for y in (-0.4, -0.1, 0.2)]
     assert find_circle(np.array(straight), VIEW) is None
     assert find_circle(np.zeros((0, 4)), VIEW) is None
-
-
-def test_lines_along_the_fields_directions_are_kept_and_of_contradicting_ones_the_longer_count():
-    ahead, slanted, short = [(1.0, -0.4, 1.0, 0.4)], [(1.0, -0.4, 1.2, 0.4)], [(1.0, -0.1, 1.0, 0.1)]
-    pixels = [VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in (ahead, slanted, short)]
-    found = field_lines(np.vstack(pixels), SQUARE, VIEW)
-    assert len(found) == 1 and np.allclose(found[0, :2], (1.0, 0.0), atol=1e-6)
-    assert float(wrap_quarter(found[0, 2])) == pytest.approx(0.0, abs=1e-9)
-    horizon = np.array([[10.0, 1.0, 300.0, 2.0]])
-    assert not len(field_lines(horizon, SQUARE, tilted(VIEW, -0.5, 0.0)))
-    # The last one is 28 degrees off
-    lines = [(1.0, -0.7, 1.0, 0.7), (1.6, -0.7, 1.6, 0.7), (1.2, 0.0, 1.5, 0.16)]
-    pixels = np.vstack([VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in lines])
-    assert np.degrees(estimate_body_tilt(pixels, VIEW).direction) == pytest.approx(0.0, abs=0.2)
 
 
 @pytest.mark.parametrize(
@@ -107,16 +90,27 @@ def test_a_line_that_is_short_in_the_picture_or_far_away_is_not_kept(ends, kept)
     assert len(field_lines(pixels, SQUARE, VIEW)) == kept
 
 
-def test_a_line_is_seen_at_its_nearest_point_if_there_is_a_compass():
+def test_lines_along_the_fields_directions_are_kept_at_their_nearest_points_if_there_is_a_compass():
     pixels = VIEW.project(np.array([(1.2, 0.2), (1.2, 0.8)])).reshape(1, 4)  # its foot, (1.2, 0), is not seen
     assert np.allclose(field_lines(pixels, SQUARE, VIEW)[0, :2], (1.2, 0.2), atol=1e-6)
     pixels = VIEW.project(np.array([(1.0, -0.4), (1.0, 0.4)])).reshape(1, 4)
     for sigma, number in ((0.01, 1), (np.inf, 0)):
         assert len(scene(observation([], direction_sigma=sigma), SQUARE, pixels, VIEW).lines) == number
+    ahead, slanted, short = [(1.0, -0.4, 1.0, 0.4)], [(1.0, -0.4, 1.2, 0.4)], [(1.0, -0.1, 1.0, 0.1)]
+    pixels = [VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in (ahead, slanted, short)]
+    found = field_lines(np.vstack(pixels), SQUARE, VIEW)
+    assert len(found) == 1 and np.allclose(found[0, :2], (1.0, 0.0), atol=1e-6)
+    assert float(wrap_quarter(found[0, 2])) == pytest.approx(0.0, abs=1e-9)
+    horizon = np.array([[10.0, 1.0, 300.0, 2.0]])
+    assert not len(field_lines(horizon, SQUARE, tilted(VIEW, -0.5, 0.0)))
+    # The last one is 28 degrees off
+    lines = [(1.0, -0.7, 1.0, 0.7), (1.6, -0.7, 1.6, 0.7), (1.2, 0.0, 1.5, 0.16)]
+    pixels = np.vstack([VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in lines])
+    assert np.degrees(estimate_body_tilt(pixels, VIEW).direction) == pytest.approx(0.0, abs=0.2)
 
 
 @pytest.mark.parametrize("length", [0.25, 0.15])
-@pytest.mark.parametrize("degrees", [80.0, 83.0, 97.0])
+@pytest.mark.parametrize("degrees", [80.0, 97.0])
 def test_a_short_piece_bends_no_compass(length, degrees):
     """A tilt of a degree or two would make it perpendicular to the long line, but it is a segment of the circle."""
     long = VIEW.project(np.array([(1.4, -0.7), (1.4, 0.7)])).reshape(1, 4)
@@ -183,9 +177,7 @@ def test_compass_and_places_together_are_one_update_with_all_they_share(slam):
     nu, direction = 0.02 * rng.normal(size=4), -0.05
     mine.inner.state, mine.inner.covariance = x0.copy(), before.copy()
     mine.inner.use_compass(direction, sigma)
-    left = LinearisedMeasurement(
-        nu - H @ (mine.inner.state - x0), H, own, J, "landmarks", np.full(len(nu), True)
-    )
+    left = LinearisedMeasurement(nu - H @ (mine.inner.state - x0), H, own, J, "landmarks", np.full(4, True))
     seen = LineObservation((), np.zeros((0, 0)), direction, sigma, T, shared=shared)
     mine._correct([left], seen)
     all_H = np.vstack([[0.0, 0.0, -1.0], H])
@@ -216,9 +208,8 @@ def test_the_covariance_of_tilt_and_compass_has_the_right_sign():
 def test_landmarks_alone_are_corrected_as_the_lessons_filter_does(jointly, slam):
     pose = Pose(0.5, 0.2, 0.1)
     marks = [mark for mark in Field(2012).landmarks if mark.kind != "cross"][:5]
-    seen = observation(
-        [Measurement(*range_and_bearing(pose.as_array(), (mark.x, mark.y)), mark.kind) for mark in marks]
-    )
+    places = [range_and_bearing(pose.as_array(), (mark.x, mark.y)) for mark in marks]
+    seen = observation([Measurement(*at, mark.kind) for at, mark in zip(places, marks, strict=True)])
     lesson, mine = jointly(pose), slam(pose)
     for share in (1.0, 1.01, 1.02):
         part = observation([replace(one, range=one.range * share) for one in seen])
@@ -259,7 +250,7 @@ def test_a_line_nearer_than_30_cm_to_a_parallel_one_is_not_added_to_the_map(slam
     assert len(mine.inner.kinds) == lines
 
 
-def test_nothing_new_comes_onto_the_map_of_a_lost_robot_and_a_circle_elsewhere_is_none(slam):
+def test_nothing_new_comes_onto_the_map_of_a_lost_robot_and_a_new_line_does_not_hide_a_known_one(slam):
     mine = slam(Pose())
     mine.inner.covariance[:2, :2] = 0.2**2 * np.eye(2)
     mine.observe(exact(Pose()))
@@ -269,10 +260,6 @@ def test_nothing_new_comes_onto_the_map_of_a_lost_robot_and_a_circle_elsewhere_i
     before = mine.inner.state.copy()
     mine.observe(replace(exact(here, lines=()), circle=Circle(np.array([-0.4, 0.3]), np.zeros((2, 2)))))
     assert np.allclose(mine.inner.state, before) and mine.inner.kinds == [INTERNAL]
-
-
-def test_a_new_line_does_not_hide_one_that_is_known(slam):
-    """The longest line of a picture comes first; whichever that is, the map's own line counts."""
     spreads = []
     for lines in ([(0, 2.4), (0, 3.0)], [(0, 3.0), (0, 2.4)]):
         mine = slam(Pose(1.0, 0.0, 0.0))
@@ -291,9 +278,8 @@ def seen_by_tilted(pose: Pose, tilt, marks, line=None, circle=False) -> LineObse
         return camera.project(np.reshape(places, (-1, 2)), pose)
 
     found = to_ground(pixels(marks), VIEW) + VIEW.offset
-    seen = observation(
-        [Measurement(*range_and_bearing((0, 0, 0), place), "corner") for place in found], corner_sigma=0.1
-    )
+    corners = [Measurement(*range_and_bearing((0, 0, 0), place), "corner") for place in found]
+    seen = observation(corners, corner_sigma=0.1)
     ends = np.zeros((0, 4)) if line is None else pixels(line).reshape(1, 4)
     if circle:
         around = np.linspace(0, 2 * np.pi, 24, endpoint=False)[:, None] + (-0.13, 0.13)

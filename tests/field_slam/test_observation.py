@@ -33,7 +33,7 @@ def ground(pixels, view) -> np.ndarray:
     return np.column_stack([np.arctan2(points[:, 1], points[:, 0]), np.hypot(*points.T)])
 
 
-def test_the_tilt_jacobian_is_that_of_a_camera_on_a_tilted_body():
+def test_a_tilted_view_is_that_of_the_robots_kinematics_and_the_tilt_jacobian_that_of_its_camera():
     points = np.array([(1.2, 0.4), (2.0, 1.5), (2.8, 0.2)])
     pixels, step = VIEW.project(points), 1e-4
     by_pitch, by_roll = (
@@ -44,9 +44,6 @@ def test_the_tilt_jacobian_is_that_of_a_camera_on_a_tilted_body():
     # The camera is not above the point about which it tilts, but 5 cm ahead of it.
     assert np.allclose(by_pitch, expected[..., 0], rtol=0.12, atol=0.12)
     assert np.allclose(by_roll, expected[..., 1], rtol=0.12, atol=0.12)
-
-
-def test_a_tilted_view_is_that_of_the_robots_kinematics():
     tilt = 0.02, -0.015
     true = NAO_V4.view("bottom", 0.5, HEAD_PITCH, torso_pitch=tilt[0], torso_roll=tilt[1])
     made = tilted(VIEW, *tilt)
@@ -63,16 +60,20 @@ def test_a_covariance_is_independent_noise_and_a_common_tilt_which_a_part_keeps(
     assert len(seen.part([])) == 0 and seen.part([]).covariance.shape == (0, 0)
 
 
-def test_a_post_is_known_to_its_thickness_and_a_corner_to_a_pixel():
+def test_a_post_is_known_to_its_thickness_and_decorrelated_measurements_determine_the_tilt_no_better():
     near = [Measurement(0.1, 1.0, "post"), Measurement(0.1, 1.0, "corner")]
     as_points, thick = (observation(near, post_sigma=sigma).covariance for sigma in (0.0, 0.02))
     assert np.allclose(thick - as_points, np.diag([0.02**2, 0.02**2, 0, 0]))
     far = [Measurement(0.1, 4.0, "post")]
     more = observation(far, post_sigma=0.02).covariance - observation(far).covariance
     assert np.allclose(np.diag(more), [(0.02 / 4) ** 2, 0.02**2])
+    seen = observation([Measurement(0.0, 2.0)] * 4, (0.02, 0.0))
+    _, R = seen.decorrelated([2.0] * 4)
+    together = np.ones(4) @ np.linalg.inv(seen.covariance[1::2, 1::2]) @ np.ones(4)
+    assert np.sum(1 / R[:, 1, 1]) == pytest.approx(together, rel=1e-6)
 
 
-def test_the_inverse_range_is_linear_in_the_tilt_and_what_is_expected_stays():
+def test_the_inverse_range_is_linear_in_the_tilt_and_its_covariance_is_propagated_by_its_jacobian():
     true = np.array([3.0, 2.0])
     for error in (0.02, -0.02):
         measured = 1 / (1 / true + error / CAMERA_HEIGHT)
@@ -82,10 +83,6 @@ def test_the_inverse_range_is_linear_in_the_tilt_and_what_is_expected_stays():
     seen = as_observation(some())
     values, covariance = seen.linearised_at(seen.values[:, 1])
     assert np.allclose(values, seen.values.ravel()) and np.allclose(covariance, seen.covariance)
-
-
-def test_the_linearised_covariance_is_propagated_by_the_jacobian_of_the_linearised_values():
-    """The Jacobian is computed with finite differences, at expected ranges that differ from the measured ones."""
     seen, step = as_observation(some()), 1e-6
     expected, measured = seen.values[:, 1] * (0.8, 1.1, 1.3), seen.values.ravel()
     J = np.zeros((measured.size, measured.size))
@@ -98,13 +95,6 @@ def test_the_linearised_covariance_is_propagated_by_the_jacobian_of_the_linearis
             ends.append(replace(seen, measurements=again).linearised_at(expected)[0])
         J[:, column] = (ends[0] - ends[1]) / (2 * step)
     assert np.allclose(seen.linearised_at(expected)[1], J @ seen.covariance @ J.T, rtol=1e-6)
-
-
-def test_decorrelated_measurements_determine_the_tilt_no_better_than_joint_ones():
-    seen = observation([Measurement(0.0, 2.0)] * 4, (0.02, 0.0))
-    _, R = seen.decorrelated([2.0] * 4)
-    together = np.ones(4) @ np.linalg.inv(seen.covariance[1::2, 1::2]) @ np.ones(4)
-    assert np.sum(1 / R[:, 1, 1]) == pytest.approx(together, rel=1e-6)
 
 
 @pytest.mark.parametrize("distance", [0.4, 1.0, 3.0])

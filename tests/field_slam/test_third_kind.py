@@ -47,12 +47,9 @@ def test_a_third_kind_is_not_drawn_as_another_nor_left_out(third, monkeypatch):
         draw_picture(np.zeros((10, 10, 3), np.uint8), [mark])
 
 
-def test_all_kinds_of_marks_have_a_marker_on_maps_and_in_pictures():
+def test_all_kinds_of_marks_have_a_marker_and_each_point_that_people_mark_is_of_one_shape():
     assert set(LANDMARK_MARKERS) == set(get_args(MarkKind)) == set(_MARKS) - {"hidden", "point"}
     assert set(slam.KINDS) == set(get_args(slam.LandmarkKind)) < set(LANDMARK_MARKERS)
-
-
-def test_each_point_that_people_mark_is_of_one_shape_or_not_on_the_ground():
     shapes = {kind: shape_on_ground(kind) for kind in get_args(PointKind)}
     assert shapes == {"X": "X", "L": "L", "T": "T", "post_foot": "post", "post_top": None}
     assert set(shapes.values()) - {None} == set(get_args(Shape))

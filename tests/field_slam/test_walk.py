@@ -39,10 +39,20 @@ def test_marked_points_tell_where_a_robot_looked_although_one_is_wrong(degrees):
         assert np.degrees(found) == pytest.approx(degrees, abs=within)
 
 
-def test_without_a_marked_point_on_the_ground_the_heading_is_as_written():
+def test_without_a_marked_point_the_heading_is_as_written_and_the_walk_is_read_from_its_own_folder_or_above(
+    tmp_path, monkeypatch
+):
     high = replace(picture(), points=(AnnotatedPoint("post_top", 100.0, 20.0),))
     for seen in (picture(), high):
         assert walk.marked_heading(seen, walk.walk_view(seen), Pose(0.0, 0.0, 0.3)) == 0.3
+    asked = []
+    monkeypatch.setattr(demo, "read_pictures", lambda name, folder: asked.append((name, folder)) or ())
+    own = tmp_path / "amsterdam_2013" / "straightwalk"
+    own.mkdir(parents=True)
+    (own / "annotations.json").write_text("[]", encoding="utf-8")
+    for folder in (tmp_path, own):
+        demo.route(0, folder)
+    assert asked == [("straightwalk", tmp_path.resolve())] * 2
 
 
 def test_odometry_is_the_true_steps_with_the_errors_it_states_and_a_step_back_is_negative(monkeypatch):
@@ -59,17 +69,6 @@ def test_odometry_is_the_true_steps_with_the_errors_it_states_and_a_step_back_is
     assert np.degrees(turn.std()) == pytest.approx(1.0, rel=0.15)
     pictures = [replace(picture(Pose(-0.2 * i, 0.0, 0.0)), name=str(i)) for i in range(5)]
     assert all(-0.3 < sight.motion.distance < -0.1 for sight in [*walk.real_walk(pictures, 1)][1:])
-
-
-def test_the_walk_is_read_from_its_own_folder_or_from_the_one_above_all(tmp_path, monkeypatch):
-    asked = []
-    monkeypatch.setattr(demo, "read_pictures", lambda name, folder: asked.append((name, folder)) or ())
-    own = tmp_path / "amsterdam_2013" / "straightwalk"
-    own.mkdir(parents=True)
-    (own / "annotations.json").write_text("[]", encoding="utf-8")
-    for folder in (tmp_path, own):
-        demo.route(0, folder)
-    assert asked == [("straightwalk", tmp_path.resolve())] * 2
 
 
 def test_lesson_and_docs_state_what_the_walk_says():
@@ -99,19 +98,14 @@ def test_lesson_and_docs_state_what_the_walk_says():
         line = f"| {name} | {' | '.join(values)} |"
         assert line in docs, line
     waiting = found["first half, range of the EKF's median error over assumed views"]
-    at_once, waited = (
-        "{:.0f} to {:.0f} cm".format(*(100 * each for each in waiting[f"first pictures {when}"]))
-        for when in ("at once", "wait")
-    )
-    assert (
-        f"after the first 15 pictures is then {at_once}. If the first pictures wait, it is {waited}." in docs
-    )
+    ends = [waiting[f"first pictures {when}"] for when in ("at once", "wait")]
+    at_once, waited = (f"{100 * low:.0f} to {100 * high:.0f} cm" for low, high in ends)
+    assert f"15 pictures is then {at_once}. If the first pictures wait, it is {waited}." in docs
     for name, own in found["own estimate of the offset, degrees"].items():
         pitch, roll = (f"{own[axis]:.1f} ± {own[f'{axis} sigma']:.1f}" for axis in ("pitch", "roll"))
         assert f"| {name} | {pitch} | {roll} |" in docs, name
-    assert (
-        f"NEES is {of['EKF']['NEES median']:.1f} (EKF) and {of['graph']['NEES median']:.1f} (graph)" in docs
-    )
+    nees = [f"{of[name]['NEES median']:.1f}" for name in ("EKF", "graph")]
+    assert f"NEES is {nees[0]} (EKF) and {nees[1]} (graph)" in docs
 
 
 @pytest.mark.slow

@@ -43,23 +43,17 @@ def layer(film, kind, label):
     return frames_of(data, number)
 
 
-def test_the_paths_are_the_drives(drive):
-    truth, found, _, film = drive
+def test_paths_landmarks_ellipses_and_rays_are_those_of_the_drive_and_its_estimates(drive):
+    truth, found, seen, film = drive
     names = {"odometry": "odometry", "EKF": "ekf", "graph": "graph"}
     paths = {name: [each.pose for each in found[source]] for name, source in names.items()}
     paths["true path"] = truth
     for name, poses in paths.items():
         shown = np.vstack(layer(film, "path", name))
         assert np.abs(shown - [pose.as_array() for pose in poses]).max() <= HALF
-
-
-def test_landmarks_and_ellipses_are_the_estimates(drive):
-    _, found, _, film = drive
     for name, source in (("EKF", "ekf"), ("graph", "graph")):
-        marks, ellipses = (
-            layer(film, "landmarks", f"{name}: landmark"),
-            layer(film, "ellipses", f"{name}, 95 %"),
-        )
+        marks = layer(film, "landmarks", f"{name}: landmark")
+        ellipses = layer(film, "ellipses", f"{name}, 95 %")
         for each, mark, ellipse in zip(found[source], marks, ellipses, strict=True):
             assert np.abs(mark[:, :2] - each.landmarks).max(initial=0) <= HALF
             assert [("corner", "post")[int(kind)] for kind in mark[:, 2]] == list(each.kinds)
@@ -67,10 +61,6 @@ def test_landmarks_and_ellipses_are_the_estimates(drive):
             roots = np.array([[(a, b), (b, d)] for _, _, a, b, d in ellipse])
             covariances = np.concatenate([each.covariance[None, :2, :2], each.landmark_covariances])
             assert roots @ roots / (-2 * np.log(0.05)) == pytest.approx(covariances, abs=3e-4)
-
-
-def test_the_rays_lead_from_the_last_algorithms_robot_to_its_measurements(drive):
-    _, found, seen, film = drive
     for each, measured, rays in zip(found["graph"], seen, layer(film, "lines", "measured"), strict=True):
         ends = measured_points(measured, each.pose)
         assert len(rays) == len(measured)

@@ -57,9 +57,7 @@ def test_rubric_8_the_committed_check_data_are_proven(name):
     declarations = {each: COURSE.declaration(each) for each in plans}
     proofs = Proofs(COURSE.root, declarations, plans, COURSE.solutions)
     data = COURSE.check_data(name).read_bytes()
-    assert proofs.is_vouched_for(name, data), (
-        "run `nao-course build --no-solutions`, and commit what it writes"
-    )
+    assert proofs.is_vouched_for(name, data), "run `nao-course build --no-solutions` and commit the rest"
 
 
 @pytest.mark.slow
@@ -123,9 +121,7 @@ def test_check_data_of_another_processor_is_the_same_and_its_mistakes_are_recogn
 
 
 @each_lesson
-def test_the_student_copy_and_the_executed_solution_are_those_of_the_text_which_they_would_be_written_as(
-    name,
-):
+def test_the_student_copy_and_the_executed_solution_are_those_of_the_text_they_would_be_written_as(name):
     given, written = (
         [(cell.id, cell.source) for cell in notebook.cells if not is_solution(cell)]
         for notebook in (student_copy(name), solved(name))

@@ -31,15 +31,11 @@ def rows(lesson):
 
 
 @each_challenge
-def test_it_stands_in_its_lesson_and_its_rows_have_a_score_of_each_case_and_a_better_one_than_the_reference(
-    lesson,
-):
+def test_it_stands_in_its_lesson_and_its_rows_have_a_score_of_each_case_and_one_beats_the_reference(lesson):
     challenge = CHALLENGES[lesson]
     assert challenge.judge.__module__.split(".")[2] == lesson.partition("_")[2]
-    names, columns = (
-        [challenge.name_of(seed) for seed in challenge.seeds],
-        {each.name for each in challenge.columns},
-    )
+    names = [challenge.name_of(seed) for seed in challenge.seeds]
+    columns = {each.name for each in challenge.columns}
     assert len(set(names)) == len(names) and len(challenge.rows) >= 3
     assert all(len(row.cases) == len(names) and set(row.columns) == columns for row in challenge.rows)
     (reference,) = (row for row in challenge.rows if row.name.startswith("the reference"))
@@ -55,19 +51,15 @@ REFUSED = {
     "00_meet_the_nao": [
         (Motion(1.0, 0.0), "Motion"),
         (3.0, "float"),
-        ([(1.0, 0.0)], "Command 1"),
         ([Motion(1.0, 0.0), None], "Command 2"),
         ([Motion(0.1, 0.0)] * 201, "200"),
         ([Motion(0.0, 0.4), Motion(0.67, -67.2)], r"Command 2 .*np.radians\(-67.2\)"),
     ],
     "01_hsl_filtering": [
         ([[1, 2], [3]], "list"),
-        (np.zeros((4, 4, 3)), r"\(4, 4, 3\)"),
         (np.zeros((2, 4)), r"\(2, 4\)"),
-        (np.full((240, 320), np.nan), "NaN"),
         (np.full((240, 320), 0.5), "1 green"),
         (np.full((240, 320), -1), "-1"),
-        (np.zeros((240, 320), complex), "array"),
     ],
     "02_goalposts": [(np.zeros((2, 3)), "feet|shape")],
     "03_hough_corners": [(np.zeros((2, 3)), "shape"), ([(np.nan, 1.0)], "NaN")],
@@ -78,7 +70,7 @@ REFUSED = {
         ((0.1, 0.2, 0.0), "more than 0"),
     ],
     "05_ekf_derivations": [(3, "int"), ("no such", "MISTAKES")],
-    "08_graph_slam": [(1.5, "whole"), ([3], "whole"), (60, "60"), (-2, "60"), (True, "whole")],
+    "08_graph_slam": [(1.5, "whole"), (60, "60"), (-2, "60"), (True, "whole")],
     "09_pose_graphs": [
         ((np.zeros(720), np.zeros(3)), "states"),
         (np.zeros(3), r"\(720,\)"),

@@ -38,9 +38,6 @@ def headings(text):
     return re.findall(r"^#+ .+", outside, re.MULTILINE)
 
 
-# --- the rules of docs/write_a_lesson.md, by their numbers there ---
-
-
 @each_lesson
 def test_rubric_1_one_title_and_a_first_cell_that_says_what_is_needed(name):
     notebook = solved(name)
@@ -78,23 +75,15 @@ def test_rubric_3_a_length_that_fits_into_its_time(name):
 
 
 @each_lesson
-def test_rubric_4_there_are_words_before_every_exercise(name):
+def test_rubric_4_words_come_before_every_exercise_and_imports_are_public_folded_and_announced(name):
     cells = solved(name).cells
     for ordinal, _ in lesson_text.code_cells(solved(name), "exercise"):
         assert cells[ordinal - 1].cell_type == "markdown"
-
-
-@each_lesson
-def test_rubric_4_a_lesson_imports_public_names_of_the_students_side(name):
     for _, cell in lesson_text.code_cells(solved(name)):
         for node in ast.walk(ast.parse(lesson_text.python(cell))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("nao_course"):
                 parts = [*node.module.split("."), *(alias.name for alias in node.names)]
                 assert "instructor" not in parts and not [part for part in parts if part.startswith("_")]
-
-
-@each_lesson
-def test_rubric_4_the_folded_imports_are_announced_and_hide_no_exercise(name):
     ((_, cell),) = lesson_text.code_cells(solved(name), "setup")
     assert cell.source.startswith("# Set-up: ")  # the only line of it that JupyterLab shows
     imports = [each for each in ast.parse(cell.source).body if isinstance(each, ast.Import | ast.ImportFrom)]
@@ -104,7 +93,7 @@ def test_rubric_4_the_folded_imports_are_announced_and_hide_no_exercise(name):
 
 
 @each_lesson
-def test_rubric_5_three_to_nine_exercises_that_say_what_they_want(name):
+def test_rubric_5_three_to_nine_exercises_say_what_they_want_and_no_docstring_is_cut_off_by_its_cell(name):
     cells = lesson_text.code_cells(solved(name), "exercise")
     assert len(cells) == 1 if name[:2] == "00" else 3 <= len(cells) <= 9
     for _, cell in cells:
@@ -117,10 +106,6 @@ def test_rubric_5_three_to_nine_exercises_that_say_what_they_want(name):
             arguments = [*definition.args.args, *definition.args.kwonlyargs]
             assert definition.returns and all(each.annotation for each in arguments), wanted
             assert len(lesson_text.solution_lines(cell)) <= 15, wanted
-
-
-@each_lesson
-def test_rubric_5_no_docstring_is_cut_off_by_its_cell(name):
     for _, cell in lesson_text.code_cells(solved(name)):
         lines = cell.source.splitlines()
         for node in ast.walk(ast.parse(lesson_text.python(cell))):
@@ -187,28 +172,17 @@ def ends_with_a_panel(cell):
     return bool(re.search(r"(Panel|Dial|_panel|_dial)$", getattr(made, "id", getattr(made, "attr", ""))))
 
 
-@pytest.mark.parametrize(
-    ("source", "is_one"),
-    [
-        ("FunctionPanel('a', show, controls)", True),
-        ("mask_panel(scene, brighter)", True),
-        ("panel = panels.mask_panel(scene, brighter)\npanel", True),
-        ("panel = mask_panel(scene, brighter)", False),
-        ("mask_panel(scene, brighter)\nscene", False),
-        ("draw_panels(scene)", False),
-        ("scene", False),
-    ],
-)
-def test_a_panel_may_be_a_class_or_a_function_whose_result_a_cell_shows(source, is_one):
-    assert ends_with_a_panel(nbformat.v4.new_code_cell(source)) == is_one
+def test_a_panel_may_be_a_class_or_a_function_whose_result_a_cell_shows():
+    panels = "FunctionPanel('a')", "mask_panel(scene)", "panel = panels.mask_panel(scene)\npanel"
+    others = "panel = mask_panel(scene)", "mask_panel(scene)\nscene", "draw_panels(scene)", "scene"
+    for source in (*panels, *others):
+        assert ends_with_a_panel(nbformat.v4.new_code_cell(source)) == (source in panels)
 
 
 @each_lesson
 def test_rubric_11_a_prediction_is_written_before_it_is_run_and_questions_answer_every_choice(name):
     sources = [cell.source for cell in solved(name).cells]
-    predicted = [
-        number for number, source in enumerate(sources) if re.search(r"^(\w+ = )?prediction\(", source)
-    ]
+    predicted = [n for n, source in enumerate(sources) if re.search(r"^(\w+ = )?prediction\(", source)]
     assert predicted and "**Predict" in sources[predicted[0] - 1]
     asked = {
         each.name: list(each.choices.values())
@@ -224,14 +198,10 @@ def test_rubric_11_a_prediction_is_written_before_it_is_run_and_questions_answer
 
 
 @each_lesson
-def test_rubric_13_every_picture_in_the_text_has_words_for_who_cannot_see_it(name):
+def test_rubric_13_every_picture_and_figure_has_words_for_who_cannot_see_it(name):
     text = prose(solved(name))
     assert not re.findall(r"!\[\s*\]\(", text)
     assert not [tag for tag in re.findall(r"<img[^>]*>", text) if not re.search(r'alt="[^"]+"', tag)]
-
-
-@each_lesson
-def test_rubric_13_every_figure_has_words_for_who_cannot_see_it(name):
     for _, cell in lesson_text.code_cells(executed(name)):
         shown = [output.get("data", {}) for output in cell.outputs]
         assert not [data for data in shown if "image/png" in data], "show it through nao_course.plotting"
@@ -261,9 +231,7 @@ def test_rubric_19_it_opens_with_the_picture_that_the_students_code_draws_at_its
     assert len(alt) >= 40
     assert place > max(ordinal for ordinal, _ in lesson_text.code_cells(notebook, "check"))
     names = {each.id for each in ast.walk(ast.parse(cell.source)) if isinstance(each, ast.Name)}
-    assert names & {each.name for each in COURSE.plan(name).exercises}, (
-        "it is drawn by the student's functions"
-    )
+    assert names & {each.name for each in COURSE.plan(name).exercises}, "it needs the student's functions"
 
 
 def calls(cell, function):
@@ -289,9 +257,8 @@ def test_rubric_21_a_lesson_with_a_challenge_opens_it_behind_its_exercises(name)
     opened = [(place, cell) for place, cell in code if calls(cell, "challenge")]
     assert any(calls(cell, "enter") for _, cell in opened)
     assert all(is_last_line(cell, calls(cell, "challenge")[0]) for _, cell in opened)
-    assert min(place for place, _ in opened) > max(
-        place for place, cell in code if lesson_text.role(cell) == "check"
-    )
+    checks = [place for place, cell in code if lesson_text.role(cell) == "check"]
+    assert min(place for place, _ in opened) > max(checks)
 
 
 @each_lesson
@@ -306,15 +273,11 @@ def test_rubric_22_a_lesson_with_my_nao_ends_by_driving_it(name):
 
 
 @each_lesson
-def test_rubric_23_only_cells_that_merely_show_something_are_folded(name):
+def test_rubric_23_only_cells_that_merely_show_something_are_folded_and_answers_that_can_be_found_out(name):
     for notebook in (student_copy(name), executed(name)):
         for _, cell in lesson_text.code_cells(notebook):
             hidden = cell.metadata.get("jupyter", {}).get("source_hidden", False)
             assert hidden is (lesson_text.role(cell) in ("setup", "display")), cell.source
-
-
-@each_lesson
-def test_rubric_23_what_can_be_found_out_is_answered_in_a_fold(name):
     for cell in solved(name).cells:
         if re.search(r"things to (try|find)", cell.source, re.IGNORECASE):
             task, answer = cell.source.split("<details>", 1)

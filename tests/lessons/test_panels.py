@@ -15,7 +15,7 @@ from nao_course.lessons.pose_graphs import EdgePanel, RelaxPanel
 from nao_course.lessons.slam_on_the_field import RoomPanel
 from nao_course.widgets import RealityDial
 from nao_course.widgets.parts import LabelledImage
-from tests.lessons.every import reference
+from tests.lessons.every import blank, reference
 from tests.lessons.experiments.test_panel import panel as setting_panel
 from tests.lessons.goalposts.test_panel import panel as post_panel
 from tests.lessons.graph_slam.test_panel import panel as graph_panel
@@ -32,12 +32,7 @@ def of(panel, lesson, *names, **more):
 
 
 FIVE = ("predict_pose", "predict_covariance")
-MORE_OF_FIVE = (
-    "landmark_position",
-    "landmark_jacobians",
-    "expected_measurement",
-    "measurement_jacobian_pose",
-)
+MORE_OF_5 = ("landmark_position", "landmark_jacobians", "expected_measurement", "measurement_jacobian_pose")
 FOUR = ("pixel_to_ground", "ground_to_measurement", "measurement_covariance")
 SEVEN = {name: reference("07_ekf_slam")[name] for name in ("predict", "update_landmarks", "add_landmark")}
 PANELS = {
@@ -50,7 +45,7 @@ PANELS = {
     "tilt": of(TiltPanel, "04_distance", *FOUR),
     "phone": of(PhoneLab, "04_distance", "pixel_to_ground", find_landmarks=lambda picture: [(160.0, 120.0)]),
     "lap": of(LapPanel, "05_ekf_derivations", *FIVE),
-    "linearisation": of(LinearisationPanel, "05_ekf_derivations", *FIVE, *MORE_OF_FIVE),
+    "linearisation": of(LinearisationPanel, "05_ekf_derivations", *FIVE, *MORE_OF_5),
     "fuse": of(FusePanel, "06_localization", "fuse"),
     "graph": graph_panel,
     "edges": of(EdgePanel, "09_pose_graphs", "linearize"),
@@ -94,10 +89,6 @@ VALUES = {
     "measurement_jacobian_pose": {"what": MEASUREMENT},
     "choose_move": {"move": 2},
 }
-
-
-def blank(*given, **named):
-    raise NotImplementedError
 
 
 @pytest.mark.parametrize("name", PANELS)

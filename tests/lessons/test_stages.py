@@ -141,7 +141,7 @@ def test_posts_and_corners_stand_where_the_field_has_them_and_the_sky_is_left_ou
 # --- lesson 05 ---
 
 
-def test_the_ellipse_of_dead_reckoning_starts_at_zero_grows_and_holds_the_robot():
+def test_the_ellipse_of_dead_reckoning_grows_and_holds_the_robot_and_an_answer_of_another_shape_is_reported():
     nao, sizes = robot(), []
     live = pipeline("dead reckoning", nao)
     for _ in range(6):
@@ -154,9 +154,6 @@ def test_the_ellipse_of_dead_reckoning_starts_at_zero_grows_and_holds_the_robot(
     assert sizes[0] == 0.0 and np.all(np.diff(sizes) > 0)
     assert error @ np.linalg.inv(covariance[:2, :2]) @ error < 13.8  # 99.9 %
     assert overlay.estimate.pose.as_array() == pytest.approx(pose)
-
-
-def test_an_answer_of_another_shape_is_reported():
     nao = robot()
     live = pipeline("dead reckoning", nao, predict_pose=lambda pose, control: pose[:2])
     nao.walk(0.2)
@@ -188,7 +185,7 @@ def test_the_first_picture_shows_the_estimate_at_the_start_and_the_second_correc
     assert np.hypot(*error[:2]) < 0.1 and error @ np.linalg.inv(covariance) @ error < 16.3  # 99.9 %
 
 
-def test_without_landmarks_the_covariance_only_grows():
+def test_without_landmarks_the_covariance_grows_and_the_panel_has_a_place_for_the_estimate_on_its_map():
     nao = robot(Pose(0.3, 0.0, np.pi))
     live = pipeline("pose", nao)
     live.process(nao.take_picture())
@@ -197,9 +194,6 @@ def test_without_landmarks_the_covariance_only_grows():
     second = live.process(nao.take_picture()).overlays["pose"]
     assert first.text.startswith("0 landmarks")
     assert np.linalg.det(second.result[1]) > np.linalg.det(first.result[1])
-
-
-def test_the_panel_has_a_place_for_the_estimate_on_its_map():
     panel = panel_of("pose", robot())
     contents = panel._screen.contents()
     assert contents.observer == "ekf" and contents.paths["ekf"] == (contents.estimate.pose,)

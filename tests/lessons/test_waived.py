@@ -21,11 +21,8 @@ def test_each_rule_that_can_be_waived_has_a_test_that_is_then_skipped(rule):
 
 
 @pytest.mark.parametrize("module", [test_lessons, test_exercises])
-def test_the_tests_of_rules_ask_for_waivers(module):
+def test_the_tests_of_rules_ask_for_waivers_and_a_lessons_waivers_are_those_of_its_plan(module, monkeypatch):
     assert module.waived_rules_are_skipped is every.waived_rules_are_skipped
-
-
-def test_a_lessons_waivers_are_those_of_its_plan(monkeypatch):
     plans = {"13_lab": SimpleNamespace(waived={"3": "a lab"})}
     monkeypatch.setattr(every, "COURSE", SimpleNamespace(plan=plans.get))
     every.waived.cache_clear()

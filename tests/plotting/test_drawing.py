@@ -20,7 +20,7 @@ def test_the_same_drawing_is_the_same_bytes_with_its_words(name):
     assert_same_bytes_with_words(DRAWINGS[name])
 
 
-def test_a_drawing_says_what_it_shows_in_escaped_words_and_leaves_nothing_in_pyplot():
+def test_a_drawing_says_what_it_shows_in_escaped_words_and_a_notebook_gets_a_smaller_picture_of_it():
     assert "&quot;map&quot; &amp; more" in a_map()._repr_html_()
     import matplotlib.pyplot as plt
 
@@ -29,6 +29,15 @@ def test_a_drawing_says_what_it_shows_in_escaped_words_and_leaves_nothing_in_pyp
     drawing = draw_labels([[0, 1], [2, 3]])
     assert isinstance(drawing, Drawing)
     assert "green 25.0%" in repr(drawing)
+    drawing = a_map()
+    shown = base64.b64decode(re.search(r'base64,([^"]+)"', drawing._repr_html_())[1])
+    small, large = (
+        np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
+        for data in (shown, drawing.image())
+    )
+    assert len(shown) < 0.7 * len(drawing.image())
+    assert np.abs(small - large).mean() < 0.5
+    assert (small[0, 0] == 255).all()  # white stays white
 
 
 @pytest.mark.parametrize("suffix", ["png", "jpeg", "jpg", "svg"])
@@ -59,24 +68,11 @@ def test_a_drawing_is_marked_for_dark_pages_and_a_photograph_in_it_is_left_out()
     assert not list(a_map()._in_true_colours())
     assert len(list(draw_labels([[0, 1], [2, 3]])._in_true_colours())) == 1 + 4  # the picture and its keys
     assert "nao-figure" not in shown
-    corners = np.reshape(
-        [float(each) for each in re.findall(r"([\d.]+)%", shown.split("evenodd")[1])], (-1, 2)
-    )
+    numbers = re.findall(r"([\d.]+)%", shown.split("evenodd")[1])
+    corners = np.reshape([float(each) for each in numbers], (-1, 2))
     (left, top), (right, bottom) = corners[5:-1].min(axis=0), corners[5:-1].max(axis=0)
     pixels = np.asarray(Image.open(io.BytesIO(drawing.image()))).astype(int)
     height, width = pixels.shape[:2]
     rows, columns = np.nonzero((pixels[..., 0] > 200) & (pixels[..., 1] < 60))
     found = columns.min() / width, (columns.max() + 1) / width, rows.min() / height, (rows.max() + 1) / height
     np.testing.assert_allclose(np.array([left, right, top, bottom]) / 100, found, atol=0.006)
-
-
-def test_a_notebook_gets_a_smaller_picture_that_looks_the_same():
-    drawing = a_map()
-    shown = base64.b64decode(re.search(r'base64,([^"]+)"', drawing._repr_html_())[1])
-    small, large = (
-        np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
-        for data in (shown, drawing.image())
-    )
-    assert len(shown) < 0.7 * len(drawing.image())
-    assert np.abs(small - large).mean() < 0.5
-    assert (small[0, 0] == 255).all()  # white stays white

@@ -27,9 +27,7 @@ def test_certainty_in_one_direction_is_a_line_and_in_both_a_point():
     assert np.allclose(point, 1)
 
 
-@pytest.mark.parametrize(
-    "wrong", [[[np.nan, 0], [0, 1]], [[-1, 0], [0, 1]], [[1, 2], [2, 1]], [[1, 0.5], [0, 1]]]
-)
+@pytest.mark.parametrize("wrong", [[[np.nan, 0], [0, 1]], [[-1, 0], [0, 1]], [[1, 0.5], [0, 1]]])
 def test_what_is_no_covariance_has_no_ellipse(wrong):
     assert np.isnan(ellipse_outlines([0, 0], [wrong])).all()
     ax = Figure().add_subplot()

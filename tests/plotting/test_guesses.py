@@ -26,11 +26,20 @@ def label_in(drawn):
     return drawn.figure.axes[0].texts[-1].get_text()
 
 
-def test_without_a_number_the_figure_stays_as_it_is():
+def test_without_a_number_the_figure_stays_and_a_length_on_a_map_is_a_circle_around_the_origin():
     plain = drawing()
     assert with_guess(plain, guess(), "x") is plain
     assert with_guess(plain, guess("left", choices=("left", "right")), "x") is plain
     assert not plain.figure.axes[0].lines
+    drawn = with_guess(drawing(), guess("0.2", unit="m"), "y", place=lambda metres: 100 * metres)
+    assert list(drawn.figure.axes[0].lines[-1].get_ydata()) == [20, 20]
+    with pytest.raises(ValueError, match='axis must be "x", "y" or "radius"'):
+        with_guess(drawing(), guess("1"), "z")
+    for typed, label in (("3", "you"), ("300", "you ↑")):
+        drawn = with_guess(drawing(), guess(typed), "radius")
+        ax = drawn.figure.axes[0]
+        assert ax.patches[-1].radius == float(typed) and label_in(drawn) == label
+        assert np.array_equal(ax.axis(), (0, 10, 1, 100))
 
 
 @pytest.mark.parametrize(
@@ -52,21 +61,3 @@ def test_a_number_is_a_line_on_its_axis_or_at_the_end_of_the_axis(axis, typed, a
     assert label_in(drawn) == label
     assert drawn.alt.startswith("A figure. ") and f"prediction, {float(typed):g}." in drawn.alt
     drawn.image()
-
-
-def test_a_length_on_a_map_is_a_circle_around_the_origin_and_the_map_keeps_its_limits():
-    for typed, label in (("3", "you"), ("300", "you ↑")):
-        drawn = with_guess(drawing(), guess(typed), "radius")
-        ax = drawn.figure.axes[0]
-        assert ax.patches[-1].radius == float(typed) and label_in(drawn) == label
-        assert np.array_equal(ax.axis(), (0, 10, 1, 100))
-
-
-def test_a_prediction_in_another_unit_is_placed_by_a_function():
-    drawn = with_guess(drawing(), guess("0.2", unit="m"), "y", place=lambda metres: 100 * metres)
-    assert list(drawn.figure.axes[0].lines[-1].get_ydata()) == [20, 20]
-
-
-def test_another_axis_is_refused():
-    with pytest.raises(ValueError, match='axis must be "x", "y" or "radius"'):
-        with_guess(drawing(), guess("1"), "z")

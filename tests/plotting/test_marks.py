@@ -9,14 +9,11 @@ from nao_course.plotting.style import FOUND
 PLAIN = np.full((60, 80, 3), 90, dtype=np.uint8)
 
 
-def test_a_cross_lies_at_its_point_on_a_copy():
+def test_a_cross_lies_at_its_point_on_a_copy_and_its_white_rim_is_seen_on_a_dark_wall_and_on_a_line():
     shown = with_crosses(PLAIN, [(20, 30)])
     changed = np.argwhere((shown != 90).any(axis=2))
     assert changed.mean(axis=0) == pytest.approx([30, 20], abs=0.5)
     assert tuple(shown[30, 20]) == rgb(TRUE) and (PLAIN == 90).all()
-
-
-def test_a_cross_is_black_and_has_a_white_rim_so_that_it_is_seen_on_a_dark_wall_and_on_a_line():
     for ground in (0, 255):
         shown = with_crosses(np.full_like(PLAIN, ground), [(40, 30)], scale=2)
         assert (shown != ground).any(axis=2).sum() > 30

@@ -9,14 +9,11 @@ from nao_course.plotting import as_path, draw_map, plot_path, plot_pose
 from nao_course.sim import Field
 
 
-def test_a_path_comes_in_any_shape_and_without_headings_draws_no_robot():
+def test_a_path_comes_in_any_shape_and_a_robots_line_points_where_it_is_heading():
     for poses in (Pose(1, 2, 0.3), [Pose(1, 2, 0.3)], [[1, 2, 0.3]], np.array([[1, 2, 0.3]])):
         assert np.allclose(as_path(poses), [[1, 2, 0.3]])
     assert np.isnan(as_path([[1, 2], [3, 4]])[:, 2]).all()
     assert "heading" not in draw_map(Field(), truth=[[1, 2], [3, 4]]).alt
-
-
-def test_a_robots_line_points_where_it_is_heading():
     ax = Figure().add_subplot()
     plot_pose(Pose(1.0, 2.0, 0.7), ax)
     start, tip = np.transpose(ax.lines[0].get_data())

@@ -19,16 +19,13 @@ def test_a_pictures_first_row_is_on_top_and_its_first_column_on_the_left(ticks):
     assert [ax.get_xlabel() for ax in a_picture().figure.axes] == ["u (px)"]
 
 
-def test_the_words_about_a_picture_say_what_is_hidden_and_which_part_has_each_label():
+def test_words_say_what_is_hidden_and_which_part_has_each_label_and_labels_are_painted_in_their_colours():
     landmark = Field().landmarks[0]
     seen = [VisibleLandmark(landmark, (10.0 * n, 20.0), 1.0, 0.0, occluded=n == 1) for n in (1, 2)]
     said = draw_picture(np.zeros((40, 40, 3), np.uint8), seen).alt
     assert f"hidden (10, 20), {landmark.kind} (20, 20)" in said
     said = draw_labels([[0, 1, 1, 3], [3, 3, 3, 3]]).alt
     assert "other 12.5%, green 25.0%, yellow 0.0%, white 62.5%" in said
-
-
-def test_labels_are_painted_in_their_colours():
     shown = painted([[0, 1], [2, 3]])
     assert shown.dtype == np.uint8 and shown.shape == (2, 2, 3)
     assert np.allclose(shown.reshape(4, 3) / 255, [to_rgb(each) for each in LABEL_COLOURS], atol=1 / 255)

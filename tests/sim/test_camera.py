@@ -14,22 +14,27 @@ def view(**changes):
     return CameraView(**values)
 
 
-def test_camera_heights_are_the_published_ones():
+def test_camera_heights_are_the_published_ones_and_the_head_gives_yaw_and_pitch_and_a_lean_rolls_or_pitches_it():
     # Maker's links, NAO V4: straight legs .523 / .477 m, walking .505 / .459 m.
     heights = [NAO_V4.view(c, stance=s).height for s in ("standing", "walking") for c in ("top", "bottom")]
     assert np.allclose(heights, [0.523, 0.477, 0.505, 0.459], atol=0.0005)
+    v = NAO_V4.view("bottom", yaw=0.5, pitch=-0.3)
+    assert np.allclose((v.yaw, v.pitch, v.roll), (0.5, np.radians(39.7) - 0.3, 0.0))
+    ahead = NAO_V4.view("top", torso_roll=0.1)
+    aside = NAO_V4.view("top", yaw=-np.pi / 2, torso_roll=0.1)
+    level = NAO_V4.view("top", yaw=-np.pi / 2)
+    assert np.isclose(ahead.roll, 0.1, atol=1e-3)
+    assert np.isclose(aside.pitch - level.pitch, 0.1, atol=1e-3)
+    assert ahead.offset[1] < 0
 
 
-def test_the_optical_axis_meets_the_middle_of_the_picture():
+def test_the_optical_axis_meets_the_middle_and_the_field_of_view_spans_the_picture_with_left_at_smaller_u():
     for yaw in (-0.4, 0.0, 0.7):
         for roll in (0.0, 0.1):
             v = view(yaw=yaw, roll=roll, offset=(0.05, -0.02), k1=-0.08)
             distance = v.height / np.tan(v.pitch)
             hit = np.array(v.offset) + distance * np.array([np.cos(yaw), np.sin(yaw)])
             assert np.allclose(v.project([hit]), [v.centre])
-
-
-def test_left_is_smaller_u_far_is_smaller_v_and_roll_to_the_right_lifts_the_right_side():
     v = view()
     left, right, far = v.project([[2, 0.5], [2, -0.5], [4, 0]])
     assert left[0] < v.centre[0] < right[0]
@@ -37,9 +42,6 @@ def test_left_is_smaller_u_far_is_smaller_v_and_roll_to_the_right_lifts_the_righ
     leaning = view(roll=0.1)
     horizon = leaning.project([[1e6, 4e5], [1e6, -4e5]])
     assert horizon[0, 1] > horizon[1, 1]
-
-
-def test_the_field_of_view_spans_the_picture():
     v = view(pitch=0.0)
     edge = v.project([[1.0, np.tan(v.hfov / 2), v.height], [1.0, 0.0, v.height + np.tan(v.vfov / 2)]])
     assert np.isclose(edge[0, 0], -0.5)
@@ -54,25 +56,7 @@ def test_lens_and_its_removal_cancel(k1, u, v):
     assert np.allclose(camera.distort(camera.undistort([u, v])), [u, v], atol=1e-6)
 
 
-def test_barrel_pulls_the_corners_inwards_and_leaves_the_middle():
-    barrel, straight = view(k1=-0.08), view()
-    corner = [0.0, 0.0]
-    assert (barrel.distort(corner) > corner).all()
-    assert np.allclose(barrel.distort(barrel.centre), [barrel.centre])
-    assert np.allclose(straight.undistort(corner), [corner])
-
-
-def test_points_behind_the_camera_beyond_the_lens_or_that_are_none_have_no_place():
-    assert np.isnan(view().project([[-1.0, 0.0]])).all()
-    assert np.isnan(view(k1=-0.08, pitch=0.0).project([[0.1, 3.0, 0.48]])).all()
-    assert view().project([]).shape == (0, 2)
-    assert not view().contains([[np.nan, np.nan]])[0]
-    bent = view(k1=-0.08)
-    assert np.isnan(bent.undistort([[np.nan, 2.0], [3.0, np.nan]])).all()
-    assert np.allclose(bent.undistort([bent.centre]), [bent.centre])
-
-
-@pytest.mark.parametrize("size", [(320, 240), (1, 1), (7, 5)])
+@pytest.mark.parametrize("size", [(320, 240), (1, 1)])
 def test_the_picture_reaches_half_a_pixel_beyond_the_middles_of_its_outer_pixels(size):
     camera = view(size=size)
     low, high = np.array([-0.5, -0.5]), np.array(size) - 0.5
@@ -91,7 +75,7 @@ def test_a_point_is_in_the_picture_where_it_lies_in_one_of_its_pixels(u, v):
     assert view(size=(7, 5)).contains([u, v])[0] == in_a_pixel.any()
 
 
-def test_moving_robot_and_points_together_or_enlarging_the_picture_shows_the_same_points(rng):
+def test_moved_together_robot_and_points_look_the_same_and_barrel_pulls_the_corners_inwards(rng):
     points = rng.uniform(-3, 3, (40, 2))
     robot, moved = Pose(0.3, -0.2, 0.4), Pose(5.0, -3.0, 2.0)
     v = NAO_V4.view("top", yaw=0.3)
@@ -100,17 +84,18 @@ def test_moving_robot_and_points_together_or_enlarging_the_picture_shows_the_sam
     points = rng.uniform([0.5, -1], [4, 1], (50, 2))
     small, large = view(k1=-0.08).project(points), view(k1=-0.08, size=(1280, 960)).project(points)
     assert np.allclose((small + 0.5) * 4, large + 0.5)
-
-
-def test_the_head_gives_yaw_and_pitch_and_a_lean_rolls_or_pitches_the_camera():
-    v = NAO_V4.view("bottom", yaw=0.5, pitch=-0.3)
-    assert np.allclose((v.yaw, v.pitch, v.roll), (0.5, np.radians(39.7) - 0.3, 0.0))
-    ahead = NAO_V4.view("top", torso_roll=0.1)
-    aside = NAO_V4.view("top", yaw=-np.pi / 2, torso_roll=0.1)
-    level = NAO_V4.view("top", yaw=-np.pi / 2)
-    assert np.isclose(ahead.roll, 0.1, atol=1e-3)
-    assert np.isclose(aside.pitch - level.pitch, 0.1, atol=1e-3)
-    assert ahead.offset[1] < 0
+    barrel, straight = view(k1=-0.08), view()
+    corner = [0.0, 0.0]
+    assert (barrel.distort(corner) > corner).all()
+    assert np.allclose(barrel.distort(barrel.centre), [barrel.centre])
+    assert np.allclose(straight.undistort(corner), [corner])
+    assert np.isnan(view().project([[-1.0, 0.0]])).all()
+    assert np.isnan(view(k1=-0.08, pitch=0.0).project([[0.1, 3.0, 0.48]])).all()
+    assert view().project([]).shape == (0, 2)
+    assert not view().contains([[np.nan, np.nan]])[0]
+    bent = view(k1=-0.08)
+    assert np.isnan(bent.undistort([[np.nan, 2.0], [3.0, np.nan]])).all()
+    assert np.allclose(bent.undistort([bent.centre]), [bent.centre])
 
 
 @pytest.mark.parametrize(("model", "hfov_deg", "vfov_deg"), [(NAO_V4, 60.97, 47.64), (NAO_V6, 56.3, 43.7)])
@@ -134,7 +119,6 @@ def test_the_ray_at_the_edge_of_the_picture_has_the_makers_angle(model, hfov_deg
         (lambda: view(pitch=np.nan), "pitch must be a finite number"),
         (lambda: view(pitch=25.0), "pitch must be in radians"),
         (lambda: view(roll=25.0), "roll must be in radians"),
-        (lambda: CameraView.from_fov((320, 240), 1.1, height=0.3, pitch=55), "pitch must be in radians"),
         (lambda: NAO_V4.view("left"), r"camera must be one of \['bottom', 'top'\], got 'left'"),
         (lambda: NAO_V4.view(pitch=0.6), r"head pitch must be within .*-38.5..29.5 deg"),
         (lambda: NAO_V4.view(yaw=np.nan), "head yaw .* finite"),

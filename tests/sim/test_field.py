@@ -46,16 +46,13 @@ def test_a_field_is_symmetric_and_its_half_is_the_positive_half(year):
     assert own == {(m.x, m.y, m.kind) for m in whole.landmarks if m.x > 0}
 
 
-def test_the_seed_papers_field_is_three_by_four_metres_and_an_unknown_year_names_the_others():
+def test_the_seed_papers_field_is_three_by_four_metres_and_detectors_report_its_corners_and_posts():
     field = Field()
     assert (field.x_range, field.y_range) == ((0.0, 3.0), (-2.0, 2.0))
     assert field.posts.tolist() == [[3.0, -0.7], [3.0, 0.7]]
     assert field.carpet == (-0.7, -2.7, 3.7, 2.7)
     with pytest.raises(ValueError, match=r"year must be one of \[2012, 2013, 2025\].*got 1999"):
         Field(1999)
-
-
-def test_detectors_report_corners_and_posts_and_no_kind_that_nobody_has_said_how_to_detect():
     field = Field(2012)
     assert {mark.detected_as for mark in field.landmarks} == {"corner", "post", None}
     assert all(mark.detected_as in (mark.kind, None) for mark in field.landmarks)

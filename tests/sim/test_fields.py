@@ -38,7 +38,7 @@ def test_every_key_of_a_fields_file_arrives_on_the_field(name):
     assert field == Field.from_toml(name)
 
 
-def test_a_file_makes_the_field_of_its_year(tmp_path):
+def test_a_file_makes_the_field_of_its_year_and_what_it_leaves_out_is_not_on_the_field(tmp_path):
     assert sorted(DIMENSIONS) == [2012, 2013, 2025]
     for year, dimensions in DIMENSIONS.items():
         assert Field.from_toml(str(year)).dimensions == dimensions == Field(year).dimensions
@@ -49,6 +49,11 @@ def test_a_file_makes_the_field_of_its_year(tmp_path):
     view, pose = NAO_V4.view("bottom"), Pose(1.5, 0.3, 0.1)
     pictures = [render(each, pose, view, Reality.lab(3), np.random.default_rng(0))[0] for each in (own, year)]
     assert np.array_equal(*pictures)
+    bare = Field.from_toml(written(tmp_path))
+    assert [mark.shape for mark in bare.landmarks] == ["L"] * 4 + ["T"] * 2
+    for each in (bare.posts, bare.bars, bare.arcs, bare.marks, bare.mark_lines):
+        assert len(each) == 0
+    assert len(Field.from_toml(written(tmp_path, **GOAL)).posts) == 4
 
 
 @pytest.mark.parametrize(
@@ -59,18 +64,13 @@ def test_a_file_makes_the_field_of_its_year(tmp_path):
         ({"width": '"3 m"'}, "width must be a number of metres, got '3 m'"),
         ({"border": "-0.3"}, "border must be a number of metres that is not negative, got -0.3"),
         ({"length": "nan"}, "length must be a number of metres that is not negative, got nan"),
-        ({"length": "1" + 400 * "0"}, "length must be a number of metres that is not negative, got 1000"),
         ({"length": "0"}, "length must be above 0 and below 30 m, got 0"),
         ({"width": "31"}, "width must be above 0 and below 30 m, got 31"),
         ({"line_width": "0.8"}, "line_width must be above 0 and below 0.75 m (a quarter of the width), got"),
         ({"circle_diameter": "3.0"}, "circle_diameter must be above 0.1 and below 3 m (the circle would"),
         ({"goal_area": "[2.3, 2.0]"}, "goal_area: the depth must be above 0.05 and below 2.25 m (half of"),
         ({"goal_area": "[0.6, 3.0]"}, "goal_area: the width must be above 0.05 and below 3 m (the field's"),
-        (
-            {"goal_area": "0.6"},
-            "goal_area must be its depth and width in metres, such as [0.6, 2.2], got 0.6",
-        ),
-        ({"goal_area": "[0.6, 2, 1]"}, "goal_area must be its depth and width"),
+        ({"goal_area": "0.6"}, "goal_area must be its depth and width in metres, such as [0.6, 2.2]"),
         ({"goal_area": "[0.6, 2.0]", "penalty_area": "[0.5, 2.5]"}, "penalty_area: the depth must be above"),
         ({"penalty_area": "[1.5, 2.0]", "circle_diameter": "1.6"}, "circle_diameter must be above 0.1 and"),
         ({"penalty_mark": "1.0"}, "mark_size must be given for a field with penalty marks"),
@@ -93,20 +93,24 @@ def test_a_wrong_file_is_refused_with_its_name_its_key_and_what_is_allowed(tmp_p
         Field.from_toml(path)
 
 
-def test_a_file_that_is_not_there_is_named_with_the_courses_own_fields(tmp_path):
+def test_a_missing_file_is_named_with_the_courses_fields_and_a_robot_stands_on_a_field_of_ones_own(tmp_path):
     with pytest.raises(ValueError, match=r"none\.toml: the field cannot be read.*2012, 2013, 2025, lab"):
         Field.from_toml(tmp_path / "none.toml")
     (tmp_path / "latin.toml").write_bytes(b'goal_colour = "\xe4"')
     with pytest.raises(ValueError, match=r"latin\.toml: not a TOML file"):
         Field.from_toml(tmp_path / "latin.toml")
-
-
-def test_what_a_file_leaves_out_is_not_on_the_field(tmp_path):
-    bare = Field.from_toml(written(tmp_path))
-    assert [mark.shape for mark in bare.landmarks] == ["L"] * 4 + ["T"] * 2
-    for each in (bare.posts, bare.bars, bare.arcs, bare.marks, bare.mark_lines):
-        assert len(each) == 0
-    assert len(Field.from_toml(written(tmp_path, **GOAL)).posts) == 4
+    nao = SimulatedNao(Field.from_toml("lab"), Pose(1.0, 0.0, 0.6))
+    assert {each.kind for each in nao.sense()} == {"corner"}
+    with pytest.raises(ValueError, match="pose must be on the carpet"):
+        SimulatedNao(Field.from_toml("lab"), Pose(2.7, 0.0, 0.0))
+    field = Field.from_toml("lab")
+    assert decode(encode(field)) == field
+    forged = encode(field).replace((4.5).hex().encode(), (4.5 * 2**20).hex().encode())
+    assert len(forged) == len(encode(field)) + 1
+    with pytest.raises(CodecError):
+        decode(forged[:4] + (int.from_bytes(forged[4:12], "little") + 1).to_bytes(8, "little") + forged[12:])
+    assert len({DIMENSIONS[2012], replace(DIMENSIONS[2012]), replace(DIMENSIONS[2012], border=0.5)}) == 2
+    assert isinstance(DIMENSIONS[2012], FieldDimensions)
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -135,21 +139,3 @@ def test_maps_and_the_room_are_drawn_for_every_field(name):
     words = [text.get_text() for text in drawing.figure.legends[0].get_texts()]
     assert ("the field's post" in words) == bool(len(field.posts))
     assert len(WorldScene(field, Reality()).posts) == len(field.posts) + len(field.bars)
-
-
-def test_a_robot_stands_on_a_field_of_ones_own_and_senses_its_corners():
-    nao = SimulatedNao(Field.from_toml("lab"), Pose(1.0, 0.0, 0.6))
-    assert {each.kind for each in nao.sense()} == {"corner"}
-    with pytest.raises(ValueError, match="pose must be on the carpet"):
-        SimulatedNao(Field.from_toml("lab"), Pose(2.7, 0.0, 0.0))
-
-
-def test_a_field_of_ones_own_survives_encoding_cannot_be_forged_and_is_compared_by_value():
-    field = Field.from_toml("lab")
-    assert decode(encode(field)) == field
-    forged = encode(field).replace((4.5).hex().encode(), (4.5 * 2**20).hex().encode())
-    assert len(forged) == len(encode(field)) + 1
-    with pytest.raises(CodecError):
-        decode(forged[:4] + (int.from_bytes(forged[4:12], "little") + 1).to_bytes(8, "little") + forged[12:])
-    assert len({DIMENSIONS[2012], replace(DIMENSIONS[2012]), replace(DIMENSIONS[2012], border=0.5)}) == 2
-    assert isinstance(DIMENSIONS[2012], FieldDimensions)

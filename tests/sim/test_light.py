@@ -19,20 +19,14 @@ def lamps(**effects):
     return Lamps(Field(), Eye(Pose(), VIEW), replace(CLEAN, **effects))
 
 
-def test_towards_the_corners_red_falls_off_most_and_blue_least():
+def test_each_channel_loses_its_part_towards_the_corners_and_in_the_pile_and_noise_is_strongest_in_blue():
     middle, corner = lamps(vignette=0.3).at(np.array([120 * 320 + 160, 0]))
     assert middle == pytest.approx(1.0, abs=0.01)
     assert corner[0] < corner[1] - 0.05 < corner[2] - 0.1
-
-
-def test_the_pile_of_the_carpet_swallows_most_red_and_least_green_where_it_is_seen_from_above():
     light = GREY.copy()
     lamps(pile=1.0).light_ground(light)
     far, near = light[40, 160], light[-1, 160]
     assert near[0] < near[2] < near[1] < far[1]
-
-
-def test_noise_is_strongest_in_blue_and_weakest_in_green():
     noisy = develop(GREY, Eye(Pose(), VIEW), replace(CLEAN, noise=8.0), np.random.default_rng(0))
     red, green, blue = noisy.reshape(-1, 3).std(axis=0)
     assert green + 1 < red < blue - 0.5
@@ -53,15 +47,12 @@ def test_a_point_is_smeared_in_the_direction_in_which_it_moves_through_the_pictu
     assert np.polyfit(columns, rows, 1)[0] == pytest.approx(down / right, rel=0.15)
 
 
-def test_the_part_of_the_exposure_that_is_automatic_is_as_large_as_stated():
+def test_exposure_is_automatic_in_its_part_and_glare_shines_on_the_ground_and_white_balance_keeps_the_light():
     dark = GREY * 0.3
     parts = [replace(CLEAN, exposure=part) for part in (0, 0.5, 1)]
     means = [develop(dark, Eye(Pose(), VIEW), part, None).mean() for part in parts]
     assert means[2] == pytest.approx(117, abs=2)
     assert means[1] == pytest.approx(np.sqrt(means[0] * means[2]), rel=0.02)
-
-
-def test_glare_shines_on_the_ground_alone_and_white_balance_keeps_the_sum_of_light():
     for seed in range(4):
         light = np.zeros_like(GREY)
         view = NAO_V4.view("top", size=(320, 240))  # the horizon is at row 119

@@ -28,7 +28,7 @@ EXACT = {
 }
 
 
-def test_without_noise_odometry_is_the_truth():
+def test_without_noise_odometry_is_the_truth_and_sense_gives_bearing_and_range_from_right_to_left():
     nao = SimulatedNao(pose=Pose(0.2, -0.5, 0.4), **EXACT)
     truth = Truth(nao)
     for command, value in [("walk", 0.6), ("turn", 0.9), ("walk", 0.4), ("turn", -2.0), ("walk", -0.3)]:
@@ -36,9 +36,6 @@ def test_without_noise_odometry_is_the_truth():
     believed = truth.odometry_start @ nao.odometry
     assert np.allclose(believed.as_array(), truth.pose.as_array())
     assert len(truth.path) == 6
-
-
-def test_without_noise_sense_gives_bearing_and_range_from_right_to_left():
     nao = SimulatedNao(pose=Pose(0.4, 0.3, -0.1), **EXACT)
     measured = nao.sense(max_range=10)
     field, pose = nao.field, Truth(nao).pose
@@ -70,10 +67,19 @@ def test_odometry_scatters_in_the_robot_frame_as_its_covariance_says(motion):
     assert np.abs(errors.mean(axis=0)).max() < 0.01
 
 
-def test_the_covariance_of_a_motion_is_along_across_and_turn_and_grows_with_the_way():
+def test_the_covariance_of_a_motion_grows_with_the_way_and_what_a_post_hides_is_not_measured():
     noise = OdometryNoise(along=0.06, across=0.04, turn=0.08, turn_per_turn=0.12)
     assert np.allclose(noise.covariance(Motion(2.0, 0.0)), np.diag([0.06**2, 0.04**2, 0.08**2]) * 2)
     assert np.allclose(noise.covariance(Motion(0.0, -0.5)), np.diag([0, 0, 0.12**2]) * 0.5)
+    draws = np.array([[0.0, -1e3], [0.0, -1.0]])
+    ranges = SensorNoise(0.0, 0.1).disturbed(np.array([[0.0, 2.0], [0.0, 2.0]]), draws)[:, 1]
+    assert ranges == pytest.approx([0.2, 1.8])  # m: an error never removes more than nine tenths of the range
+    post, corner = np.array([3.0, 0.7]), np.array([3.0, 1.1])
+    eye = post + (post - corner) / np.linalg.norm(post - corner)
+    nao = SimulatedNao(pose=Pose(eye[0], eye[1], np.pi / 2), **EXACT)
+    nao.look(0.0, np.radians(-31))
+    ahead = [round(m.range, 2) for m in nao.sense() if abs(m.bearing) < 0.005]
+    assert 1.0 in ahead and 1.4 not in ahead  # the post itself, and the corner behind it
 
 
 @pytest.mark.parametrize("x", [0.5, 1.0, 2.0])
@@ -93,12 +99,6 @@ def test_measurements_scatter_about_the_truth_as_their_covariance_says(x):
     assert (np.abs(errors) < 4 * np.sqrt(np.diag(wanted) / len(seen))).all()
 
 
-def test_a_disturbed_range_stays_positive_however_large_the_error_is():
-    draws = np.array([[0.0, -1e3], [0.0, -1.0]])
-    ranges = SensorNoise(0.0, 0.1).disturbed(np.array([[0.0, 2.0], [0.0, 2.0]]), draws)[:, 1]
-    assert ranges == pytest.approx([0.2, 1.8])  # m: an error never removes more than nine tenths of the range
-
-
 @pytest.mark.parametrize(("distance", "turn"), [(1.0, 0.0), (-4.0, 0.0), (0.0, 1.0), (2.0, -0.5)])
 def test_a_walk_scatters_by_the_stated_metres_and_radians_after_one_metre_and_one_radian(distance, turn):
     noise = OdometryNoise(along=0.06, across=0.04, turn=0.08, turn_per_turn=0.12)
@@ -111,18 +111,6 @@ def test_a_walk_scatters_by_the_stated_metres_and_radians_after_one_metre_and_on
     many = repeat_drive(steps, 4000, np.random.default_rng(8), OdometryNoise(0.06, 0.04, 0.0, 0.0))[:, -1]
     if not turn:
         assert many[:, :2].std(axis=0) == pytest.approx(wanted[:2], rel=0.08)
-
-
-def test_what_a_post_hides_is_not_measured():
-    post, corner = np.array([3.0, 0.7]), np.array([3.0, 1.1])
-    eye = post + (post - corner) / np.linalg.norm(post - corner)
-    nao = SimulatedNao(pose=Pose(eye[0], eye[1], np.pi / 2), **EXACT)
-    nao.look(0.0, np.radians(-31))
-    seen = [
-        (round(m.range * np.sin(m.bearing), 2), round(m.range * np.cos(m.bearing), 2)) for m in nao.sense()
-    ]
-    assert (0.0, 1.0) in seen  # the post itself, straight ahead
-    assert (0.0, 1.4) not in seen  # the corner behind it
 
 
 def test_twenty_robots_drive_as_one_does(rng):
@@ -165,7 +153,7 @@ def test_nothing_public_about_the_robot_or_its_pictures_reveals_the_truth():
         assert not {"pose", "truth", "labels", "landmarks", "path"} & set(public)
 
 
-def test_the_same_seed_gives_the_same_day_and_another_seed_another():
+def test_the_same_seed_gives_the_same_day_and_what_is_measured_aside_does_not_change_the_drive():
     def day(seed):
         nao = SimulatedNao(rng=seed)
         nao.walk(0.5)
@@ -174,9 +162,6 @@ def test_the_same_seed_gives_the_same_day_and_another_seed_another():
 
     assert day(7) == day(7) == day(np.random.default_rng(7))
     assert day(7) != day(8)
-
-
-def test_what_is_measured_aside_does_not_change_the_drive():
     quiet, watched = SimulatedNao(rng=5), SimulatedNao(rng=5)
     with watched.aside(np.random.default_rng(1)):
         watched.take_picture("top")
@@ -220,16 +205,16 @@ def test_a_picture_taken_while_walking_is_smeared_by_a_sway_about_all_three_axes
         (lambda nao: SimulatedNao(pose=Pose(np.nan, 0, 0)), "Pose: x .m. must be a finite number, got nan"),
         (lambda nao: SimulatedNao(pose=(0, 0, 0)), r"pose must be a Pose\(x, y, theta\)"),
         (lambda nao: SimulatedNao(pose=Pose(30, 0, 0)), "on the carpet"),
-        (lambda nao: Truth(nao).place(Pose(30, 0, 0)), "on the carpet"),
         (lambda nao: SimulatedNao(rng="seven"), "rng must be"),
-        (lambda nao: nao.take_picture("left"), r"camera must be one of \['bottom', 'top'\], got 'left'"),
+        (lambda nao: Truth(nao).place(Pose(30, 0, 0)), "on the carpet"),
         (lambda nao: nao.take_picture(size=(0, 0)), r"size must be \(width, height\)"),
-        (lambda nao: nao.look(0, 1.0), r"head pitch must be within .* got 1.000"),
+        (lambda nao: nao.take_picture("left"), r"camera must be one of \['bottom', 'top'\], got 'left'"),
         (lambda nao: nao.look(np.inf, 0), "head yaw"),
+        (lambda nao: nao.sense(max_range=0), "max_range must be positive"),
+        (lambda nao: nao.look(0, 1.0), r"head pitch must be within .* got 1.000"),
         (lambda nao: nao.walk(np.nan), r"distance \(m\) must be a finite number"),
         (lambda nao: nao.walk(50), "within -10..10 m"),
         (lambda nao: nao.turn(90), r"turn\(np.radians\(90\)\)"),
-        (lambda nao: nao.sense(max_range=0), "max_range must be positive"),
         (lambda nao: TorsoTilt(pitch=-1), "TorsoTilt: pitch must be 0 .none. or more"),
         (lambda nao: OdometryNoise(along=np.nan), "OdometryNoise: along must be a finite number"),
     ],

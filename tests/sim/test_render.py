@@ -72,17 +72,13 @@ def test_no_move_of_the_world_shows_in_any_of_many_pictures(rng):
         assert len(truth.landmarks) == len(of_moved.landmarks)
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_seed_others():
-    pictures = [
-        render(Field(), Pose(), camera(), rng=np.random.default_rng(s))[0].tobytes() for s in (1, 1, 2)
-    ]
+def test_the_same_seed_gives_the_same_bytes_and_a_mirrored_field_the_mirrored_picture():
+    draws = [np.random.default_rng(seed) for seed in (1, 1, 2)]
+    pictures = [render(Field(), Pose(), camera(), rng=rng)[0].tobytes() for rng in draws]
     assert pictures[0] == pictures[1] != pictures[2]
     first, second = (render(Field(), Pose(), camera((8, 6)), CLEAN)[1] for _ in range(2))
     assert first == first and first != second, "a truth is equal to itself alone"
     assert len({first, second, first}) == 2
-
-
-def test_a_field_mirrored_about_its_axis_gives_the_mirrored_picture():
     one, truth = render(Field(), Pose(0.5, 0.6, 0.2), camera(), CLEAN)
     other, mirrored = render(Field(), Pose(0.5, -0.6, -0.2), camera(), CLEAN)
     assert (truth.labels == mirrored.labels[:, ::-1]).mean() > 0.9999
@@ -107,21 +103,6 @@ def test_labels_agree_with_the_picture(year, turn):
     assert not (grass | yellow)[flat & (labels == OTHER)].any()
 
 
-def test_a_landmark_behind_a_post_is_occluded_and_the_post_itself_is_not():
-    field = Field(2012)
-    robot = Pose(2.0, -0.7, 0.0)
-    corner = next(m for m in field.landmarks if m.kind == "corner" and (m.x, m.y) == (3.0, 1.1))
-    seen = {(m.landmark.x, m.landmark.y): m for m in render(field, robot, camera(), CLEAN)[1].landmarks}
-    assert not seen[(3.0, -0.7)].occluded
-    # From behind the goal line, the near post hides what stands in line with it.
-    direction = np.array([3.0, 0.7]) - np.array([corner.x, corner.y])
-    eye = np.array([3.0, 0.7]) + direction / np.linalg.norm(direction) * 1.0
-    looking = Pose(float(eye[0]), float(eye[1]), float(np.arctan2(*-direction[::-1])))
-    hidden = {(m.landmark.x, m.landmark.y): m for m in render(field, looking, camera(), CLEAN)[1].landmarks}
-    assert hidden[(3.0, 1.1)].occluded
-    assert not hidden[(3.0, 0.7)].occluded
-
-
 @pytest.mark.parametrize(("height", "hidden"), [(0.5, True), (2.0, True), (4.0, False), (6.0, False)])
 def test_a_post_hides_what_is_behind_it_unless_one_looks_over_its_top(height, hidden):
     # 1 m before a post of 0.8 m, with the corner 0.4 m behind it: seen from above 2.8 m.
@@ -137,7 +118,7 @@ def test_a_post_hides_what_is_behind_it_unless_one_looks_over_its_top(height, hi
     assert truth.labels[v, u] == (YELLOW if hidden else WHITE)
 
 
-def test_the_visible_landmarks_are_those_on_a_pixel_with_the_robots_distance_and_bearing(rng):
+def test_visible_landmarks_are_those_on_a_pixel_and_a_post_is_as_wide_and_high_as_its_projection(rng):
     field, near_the_rim = Field(2012), 0
     positions = np.array([(mark.x, mark.y) for mark in field.landmarks])
     for _ in range(150):
@@ -154,9 +135,6 @@ def test_the_visible_landmarks_are_those_on_a_pixel_with_the_robots_distance_and
         x, y = robot.to_local([seen.landmark.x, seen.landmark.y])[0]
         assert seen.distance == pytest.approx(np.hypot(x, y))
         assert seen.bearing == pytest.approx(np.arctan2(y, x))
-
-
-def test_a_post_is_as_wide_and_as_high_as_its_projection():
     pose, view = Pose(1.2, 0.7, 0.0), NAO_V4.view("top", size=(640, 480))
     _, truth = render(Field(2012), pose, view, CLEAN)
     yellow = truth.labels == YELLOW
@@ -170,7 +148,7 @@ def test_a_post_is_as_wide_and_as_high_as_its_projection():
     assert lowest == pytest.approx(view.project([[2.95, 0.7, 0.0]], pose)[0, 1], abs=1.0)
 
 
-def test_noise_has_the_stated_deviation_and_needs_a_generator():
+def test_noise_has_the_stated_deviation_and_a_landmark_behind_a_post_is_occluded_and_the_post_is_not():
     view = camera((640, 480))
     clean, truth = render(Field(), Pose(), view, CLEAN)
     noisy, _ = render(Field(), Pose(), view, replace(CLEAN, noise=3.3), np.random.default_rng(0))
@@ -179,6 +157,18 @@ def test_noise_has_the_stated_deviation_and_needs_a_generator():
     assert difference.mean() == pytest.approx(0, abs=0.1)
     with pytest.raises(ValueError, match="needs rng"):
         render(Field(), Pose(), camera())
+    field = Field(2012)
+    robot = Pose(2.0, -0.7, 0.0)
+    corner = next(m for m in field.landmarks if m.kind == "corner" and (m.x, m.y) == (3.0, 1.1))
+    seen = {(m.landmark.x, m.landmark.y): m for m in render(field, robot, camera(), CLEAN)[1].landmarks}
+    assert not seen[(3.0, -0.7)].occluded
+    # From behind the goal line, the near post hides what stands in line with it.
+    direction = np.array([3.0, 0.7]) - np.array([corner.x, corner.y])
+    eye = np.array([3.0, 0.7]) + direction / np.linalg.norm(direction) * 1.0
+    looking = Pose(float(eye[0]), float(eye[1]), float(np.arctan2(*-direction[::-1])))
+    hidden = {(m.landmark.x, m.landmark.y): m for m in render(field, looking, camera(), CLEAN)[1].landmarks}
+    assert hidden[(3.0, 1.1)].occluded
+    assert not hidden[(3.0, 0.7)].occluded
 
 
 @pytest.mark.parametrize("effect", Reality.effects())
@@ -210,7 +200,7 @@ def test_labels_and_landmarks_are_the_same_under_every_preset_but_for_what_lies_
     assert [m.pixel for m in littered.landmarks] == [m.pixel for m in clean.landmarks]
 
 
-def test_paper_is_other_and_white_hides_lines_and_moves_no_landmark():
+def test_paper_and_things_on_the_carpet_hide_lines_and_landmarks_and_never_the_nearer_goal():
     view, pose, hidden = camera(), Pose(0.4, 0.3, 0.1), 0
     for seed in range(4):
         clear, clean = render(Field(), pose, view, CLEAN)
@@ -224,9 +214,6 @@ def test_paper_is_other_and_white_hides_lines_and_moves_no_landmark():
         assert [m.pixel for m in truth.landmarks] == [m.pixel for m in clean.landmarks]
         hidden += sum(m.occluded for m in truth.landmarks) - sum(m.occluded for m in clean.landmarks)
     assert hidden > 0
-
-
-def test_things_on_the_carpet_hide_landmarks_behind_them_and_never_the_nearer_goal():
     field, hidden = Field(), 0
     for seed in range(12):
         reality = replace(CLEAN, litter=4.0, seed=seed)
@@ -256,7 +243,7 @@ def test_the_room_is_painted_behind_the_field_and_another_room_changes_nothing_o
     assert rooms[0][1].labels.tobytes() == rooms[1][1].labels.tobytes()
 
 
-def test_exposure_holds_the_mean_lightness_and_the_grain_shows_far_away_too():
+def test_exposure_holds_the_mean_lightness_and_near_lines_are_overexposed_and_wider_than_their_paint():
     means = []
     for seed in range(4):
         reality = replace(Reality.lab(seed), noise=0.0)
@@ -266,13 +253,9 @@ def test_exposure_holds_the_mean_lightness_and_the_grain_shows_far_away_too():
     assert np.allclose(means, 117, atol=4)
     reality = replace(CLEAN, grain=12.0)
     pixels, truth = render(Field(), Pose(0.2, 0.4, 0.2), camera(), reality, np.random.default_rng(0))
-    far, near = (
-        pixels[rows][truth.labels[rows] == GREEN][:, 1].std() for rows in (slice(145, 175), slice(190, 240))
-    )
+    parts = (slice(145, 175), slice(190, 240))
+    far, near = (pixels[rows][truth.labels[rows] == GREEN][:, 1].std() for rows in parts)
     assert 0.3 * near < far < 0.8 * near
-
-
-def test_near_lines_are_overexposed_and_wider_than_their_paint():
     pixels, truth = render(Field(), Pose(1.6, 0.0, 0.0), camera(), rng=np.random.default_rng(0))
     inside = cv2.erode((truth.labels == WHITE).astype(np.uint8), np.ones((5, 5))) > 0
     assert inside.sum() > 50
@@ -306,9 +289,8 @@ def test_a_camera_that_turns_while_it_reads_leans_posts_and_labels_alike():
         return np.polyfit(rows[keep], columns[keep], 1)[0]
 
     # To the left by .12 rad between first and last row: the picture runs to the right, lower rows farther.
-    assert lean(shaken[1].labels) - lean(still[1].labels) == pytest.approx(
-        0.12 * view.focal[0] / 239, rel=0.25
-    )
+    leaning = lean(shaken[1].labels) - lean(still[1].labels)
+    assert leaning == pytest.approx(0.12 * view.focal[0] / 239, rel=0.25)
 
 
 @pytest.mark.parametrize("turning", [(0, 0, 0.15), (0, 0, -0.15), (0.1, 0.1, 0)])
@@ -317,14 +299,14 @@ def test_a_turning_camera_sees_carpet_up_to_the_corners_of_its_picture(turning):
     assert (truth.labels[-40:] != OTHER).all()
 
 
-@pytest.mark.parametrize("size", [(1, 1), (2, 3), (17, 240), (320, 1)])
+@pytest.mark.parametrize("size", [(1, 1), (17, 240), (320, 1)])
 def test_tiny_pictures_work(size):
     pixels, truth = render(Field(), Pose(0.5, 0, 0.1), camera(size), CLEAN)
     assert pixels.shape == (size[1], size[0], 3)
     assert truth.labels.shape == (size[1], size[0])
 
 
-def test_every_pose_and_head_angle_gives_a_picture(rng):
+def test_every_pose_and_head_angle_gives_a_picture_and_a_camera_without_a_lens_draws_straight_lines(rng):
     for _ in range(60):
         pose = Pose(*rng.uniform([-0.7, -2.7, -np.pi], [3.7, 2.7, np.pi]))
         name, yaw, pitch = str(rng.choice(["top", "bottom"])), rng.uniform(-2, 2), rng.uniform(-0.67, 0.51)
@@ -333,9 +315,6 @@ def test_every_pose_and_head_angle_gives_a_picture(rng):
         pixels, truth = render(Field(), pose, view, CLEAN)
         assert pixels.dtype == truth.labels.dtype == np.uint8
         assert set(np.unique(truth.labels)) <= {OTHER, GREEN, YELLOW, WHITE}
-
-
-def test_a_camera_without_a_lens_term_draws_straight_lines():
     view = CameraView((320, 240), 1.06, 0.83, height=0.48, pitch=0.3)
     _, truth = render(Field(2012), Pose(1.0, 0, 0), view, CLEAN)
     middle = [np.flatnonzero(truth.labels[:, u] == WHITE).max() for u in (100, 160, 220)]

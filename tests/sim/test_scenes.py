@@ -99,12 +99,9 @@ def test_places_depend_neither_on_size_nor_on_how_real_the_picture_is(sets):
         assert other[0].pixels.shape == (60, 80, 3)
 
 
-def test_another_seed_gives_other_places_and_another_name_is_refused():
+def test_another_seed_gives_other_places_and_another_name_is_refused_with_those_there_are():
     one, other = (standard_scenes("report", SMALL, Reality.clean(seed)) for seed in (0, 1))
     assert not {s.truth.pose for s in one} & {s.truth.pose for s in other}
-
-
-@pytest.mark.parametrize("which", ["test", "", None, 1])
-def test_another_name_is_refused_with_those_there_are(which):
-    with pytest.raises(ValueError, match='"tune", "report", "whole_tune" or "whole", got'):
-        standard_scenes(which)
+    for which in ("test", None):
+        with pytest.raises(ValueError, match='"tune", "report", "whole_tune" or "whole", got'):
+            standard_scenes(which)

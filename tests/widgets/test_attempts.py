@@ -18,12 +18,20 @@ from nao_course.widgets import attempts
 from nao_course.widgets.attempts import KEPT_LETTERS, attempt
 
 
-def test_an_earlier_lesson_that_is_not_usable_is_said_in_its_own_sentence():
+def test_an_earlier_lesson_that_is_not_usable_and_an_exercise_that_is_not_written_are_said_as_such():
     def blank():
         return not_usable("01:color_labels")()
 
     message = attempt(blank, "your code").message
     assert message == "color_labels of your lesson 01 is not usable yet."
+
+    def unwritten():
+        raise NotImplementedError
+
+    assert attempt(unwritten, "it", unfinished="Finish exercise 1.6.").message == "Finish exercise 1.6."
+    assert attempt(unwritten, "it", unfinished="Finish exercise 1.6.").unfinished
+    assert "NotImplementedError in it" in attempt(unwritten, "it").message
+    assert not attempt(lambda: 1 / 0, "it", unfinished="Finish exercise 1.6.").unfinished
 
 
 @pytest.fixture
@@ -82,29 +90,19 @@ def endless_loop():
         pass
 
 
-def test_a_mistake_is_a_sentence_with_its_line():
-    def divide():
-        return 1 / 0
-
-    tried = attempt(divide, "your code")
-    assert not tried.done and tried.value is None
-    line = divide.__code__.co_firstlineno + 1
-    assert tried.message == f"ZeroDivisionError in your code, line {line}: division by zero"
-    with pytest.raises(ZeroDivisionError):
-        raise tried.error
+@pytest.mark.parametrize("quiet", [True, False])
+def test_what_is_printed_is_kept_and_shown_unless_it_is_to_be_quiet(quiet):
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        tried = attempt(lambda: print("a" * KEPT_LETTERS + "end"), "your code", quiet=quiet)
+    assert tried.printed.endswith("end\n") and len(tried.printed) == KEPT_LETTERS
+    assert out.getvalue() == ("" if quiet else "a" * KEPT_LETTERS + "end\n")
 
 
-def test_an_exercise_that_is_not_written_is_told_from_a_mistake():
-    def blank():
-        raise NotImplementedError
+def test_a_mistake_and_what_never_ends_are_sentences_and_a_call_has_ten_seconds_or_as_said(monkeypatch):
+    assert attempts.TIME_LIMIT == 60.0, "the tests say so"
+    monkeypatch.delenv("NAO_COURSE_TIME_LIMIT")
+    assert runpy.run_path(attempts.__file__)["TIME_LIMIT"] == 10.0
 
-    assert attempt(blank, "it", unfinished="Finish exercise 1.6.").message == "Finish exercise 1.6."
-    assert attempt(blank, "it", unfinished="Finish exercise 1.6.").unfinished
-    assert "NotImplementedError in it" in attempt(blank, "it").message
-    assert not attempt(lambda: 1 / 0, "it", unfinished="Finish exercise 1.6.").unfinished
-
-
-def test_what_never_ends_is_stopped_and_its_line_is_said():
     def loop():
         while True:
             pass
@@ -114,27 +112,21 @@ def test_what_never_ends_is_stopped_and_its_line_is_said():
     assert "Time is up: your code was not done after 0.05 s and was stopped in line" in tried.message
     assert attempt(lambda: "still here", "your code", limit=60).value == "still here"
 
-
-@pytest.mark.parametrize("quiet", [True, False])
-def test_what_is_printed_is_kept_and_shown_unless_it_is_to_be_quiet(quiet):
-    with contextlib.redirect_stdout(io.StringIO()) as out:
-        tried = attempt(lambda: print("a" * KEPT_LETTERS + "end"), "your code", quiet=quiet)
-    assert tried.printed.endswith("end\n") and len(tried.printed) == KEPT_LETTERS
-    assert out.getvalue() == ("" if quiet else "a" * KEPT_LETTERS + "end\n")
-
-
-def test_an_interrupted_kernel_is_interrupted():
     def interrupted():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         attempt(interrupted, "your code")
 
+    def divide():
+        return 1 / 0
 
-def test_a_call_has_ten_seconds_or_what_a_busy_machine_says(monkeypatch):
-    assert attempts.TIME_LIMIT == 60.0, "the tests say so"
-    monkeypatch.delenv("NAO_COURSE_TIME_LIMIT")
-    assert runpy.run_path(attempts.__file__)["TIME_LIMIT"] == 10.0
+    tried = attempt(divide, "your code")
+    assert not tried.done and tried.value is None
+    line = divide.__code__.co_firstlineno + 1
+    assert tried.message == f"ZeroDivisionError in your code, line {line}: division by zero"
+    with pytest.raises(ZeroDivisionError):
+        raise tried.error
 
 
 def test_attempts_that_overlap_in_two_threads_leave_standard_output_as_it_was():

@@ -25,9 +25,7 @@ def fingerprint(web: Path, folder: str) -> str:
 @pytest.mark.parametrize("folder", BUNDLES)
 def test_a_bundle_is_made_from_the_present_sources(folder):
     first = BUNDLES[folder].read_text(encoding="utf-8").partition("\n")[0]
-    assert first.endswith(f"sources {fingerprint(WEB, folder)}"), (
-        "run `make bundles`, which needs node and npm"
-    )
+    assert first.endswith(f"sources {fingerprint(WEB, folder)}"), "run `make bundles`"
 
 
 @pytest.mark.parametrize("folder", BUNDLES)

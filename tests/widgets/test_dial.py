@@ -22,21 +22,14 @@ def message(dial):
     return html.unescape(re.search(r'role="status"[^>]*>(.*?)</div>', dial._said.value)[1])
 
 
-def test_it_begins_as_the_laboratory_and_the_same_sliders_give_the_same_picture():
+def test_it_begins_as_the_laboratory_and_a_slider_changes_its_effect_but_a_browsers_rounding_does_not():
     dial = RealityDial()
     assert dial.reality == Reality.lab()
     assert dial.pixels.tobytes() == RealityDial().pixels.tobytes()
-
-
-def test_a_slider_changes_its_effect_and_the_picture_shown():
-    dial = RealityDial()
     before = picture(dial).value
     dial._sliders["noise"].value = 4.0
     assert dial.reality.noise == pytest.approx(4.0)
     assert picture(dial).value != before
-
-
-def test_what_a_browser_rounds_when_it_first_shows_a_slider_is_no_move():
     dial = RealityDial()
     before = repr(dial)
     for slider in dial._sliders.values():
@@ -54,7 +47,7 @@ def test_a_preset_moves_every_slider(name):
         assert slider.value == pytest.approx(getattr(wanted, effect))
 
 
-def test_what_is_not_possible_is_refused():
+def test_what_is_not_possible_is_refused_and_sliders_are_in_groups_that_fold_with_plain_names():
     dial = RealityDial()
     with pytest.raises(ValueError, match="preset must be one of"):
         dial.preset("real")
@@ -63,6 +56,12 @@ def test_what_is_not_possible_is_refused():
     with pytest.raises(TypeError, match="dust"):
         dial.set(dust=1.0)
     assert dial.reality == Reality.lab()
+    (folds,) = [each for each in all_widgets(dial.widget) if hasattr(each, "titles")]
+    grouped = [slider for group in folds.children for slider in group.children]
+    assert sorted(map(id, grouped)) == sorted(map(id, dial._sliders.values()))
+    assert not {slider.description for slider in grouped} & {"pile", "mottle", "litter", "grain", "vignette"}
+    dial.set(pile=1.0)
+    assert "darker from above 1" in dial.summary() and "pile" not in dial.summary()
 
 
 def test_in_a_kernels_loop_only_the_newest_slider_is_rendered():
@@ -85,16 +84,6 @@ def test_in_a_kernels_loop_only_the_newest_slider_is_rendered():
     assert 1 <= len(shown) <= 3
     assert shown[-1] == jpeg(dial.pixels)
     assert "noise 2" in dial._said.value
-
-
-def test_the_sliders_are_in_groups_that_fold_and_none_is_called_as_only_code_calls_it():
-    dial = RealityDial()
-    (folds,) = [each for each in all_widgets(dial.widget) if hasattr(each, "titles")]
-    grouped = [slider for group in folds.children for slider in group.children]
-    assert sorted(map(id, grouped)) == sorted(map(id, dial._sliders.values()))
-    assert not {slider.description for slider in grouped} & {"pile", "mottle", "litter", "grain", "vignette"}
-    dial.set(pile=1.0)
-    assert "darker from above 1" in dial.summary() and "pile" not in dial.summary()
 
 
 @pytest.mark.slow

@@ -21,9 +21,9 @@ from nao_course.widgets import (
     RangeSlider,
     Slider,
     Toggle,
-    __all__,
     picture_row,
 )
+from nao_course.widgets import __all__ as public
 from nao_course.widgets.parts import LabelledImage
 from nao_course.widgets.shown import Shown, encoded
 from tests.paths import PROJECT
@@ -57,9 +57,6 @@ def status(panel):
     return html.unescape(panel._status.value)
 
 
-# --- the documentation ---
-
-
 def test_the_panel_of_the_documentation_is_made_of_ten_lines_and_says_what_the_page_says():
     page = (PROJECT / "docs" / "write_a_panel.md").read_text(encoding="utf-8")
     example, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
@@ -75,10 +72,7 @@ def test_the_panel_of_the_documentation_is_made_of_ten_lines_and_says_what_the_p
         panel.set(level=300)
     assert room["mask_panel"](scene, unwritten).summary().endswith("Finish exercise 1.3 to see this.")
     assert "IndexError in brighter(), line" in room["mask_panel"](scene, lambda *given: [][1]).summary()
-    assert all(f"`{name}(" in page for name in __all__ if name not in ("ControlPanel", "RealityDial"))
-
-
-# --- controls ---
+    assert all(f"`{name}(" in page for name in public if name not in ("ControlPanel", "RealityDial"))
 
 
 def test_every_control_reaches_the_function_from_the_page_and_from_code():
@@ -106,16 +100,13 @@ def test_every_control_reaches_the_function_from_the_page_and_from_code():
     assert [panel._widgets[name].value for name in moved] == [100, (10, 20), 100, True, "16, 12"]
 
 
-def test_bad_values_are_refused_and_nothing_is_set():
+def test_bad_values_are_refused_and_nothing_is_set_and_what_is_typed_and_impossible_is_a_sentence():
     panel = make(controls=[LEVEL, Toggle("lens", "Lens")])
     with pytest.raises(ValueError, match="level must be from 0 to 250, got 251"):
         panel.set(lens=True, level=251)
     with pytest.raises(TypeError, match="this panel has no size; it has level, lens"):
         panel.set(size=3)
     assert panel.values == {"level": 100, "lens": False}
-
-
-def test_what_is_typed_and_impossible_is_a_sentence_until_something_else_is_set():
     panel = make(controls=[LEVEL, Pixel("pixel", "Pixel", (32, 24))])
     panel._widgets["pixel"].value = "40, 2"
     assert "u a whole number from 0 to 31" in status(panel)
@@ -125,7 +116,7 @@ def test_what_is_typed_and_impossible_is_a_sentence_until_something_else_is_set(
     assert "must be" not in status(panel)
 
 
-def test_reset_and_buttons_that_set_ask_once():
+def test_reset_and_buttons_that_set_ask_once_and_reset_leaves_what_is_looked_at():
     calls = []
     dark = Action("dark", "Dark", key="d", sets={"level": 10})
     panel = make(lambda *given: calls.append(1) or brighter(*given), [LEVEL, dark])
@@ -136,10 +127,6 @@ def test_reset_and_buttons_that_set_ask_once():
     press(panel, "reset")
     assert panel.values == {"level": 100}
     assert len(calls) == 4
-
-
-def test_reset_leaves_what_is_looked_at():
-    """An exercise says "with all other values as at the start": nobody wants to choose the picture again."""
     scenes = Choice("scene", "Scene", ("a", "b"), stays=True)
     panel = make(controls=[LEVEL, scenes, Choice("show", "Show", (1, 2))])
     panel.set(level=7, scene="b", show=2)
@@ -168,23 +155,7 @@ def test_random_numbers_are_the_same_until_a_button_draws_again():
     assert FunctionPanel("Noise", draw, [again], seed=4).summary() != seen
 
 
-def test_keys_press_the_buttons_that_have_one():
-    words = "".join(
-        each.value
-        for each in all_widgets(make(controls=[LEVEL, Action("draw_again", "Again", key="N")]).widget)
-        if isinstance(each, ipywidgets.HTML)
-    )
-    assert html.escape('{"n": "draw-again"}') in words
-    assert "n: Again" in words
-    assert 'nao-keys"' not in "".join(
-        each.value for each in all_widgets(make().widget) if isinstance(each, ipywidgets.HTML)
-    )
-
-
-# --- what is shown ---
-
-
-def test_pictures_tables_and_sentences_are_shown_and_summed_up():
+def test_pictures_tables_and_sentences_are_shown_and_summed_up_and_a_figures_words_are_its_alternative():
     panel = make()
     assert np.array_equal(decoded(image(panel, 1))[..., 0] == 255, NOISE.mean(axis=2) > 100)
     assert image(panel, 0).alt == "Brightness: The scene"
@@ -194,9 +165,11 @@ def test_pictures_tables_and_sentences_are_shown_and_summed_up():
     assert lines[0] == "Level 100" and lines[1].endswith("are bright.") and lines[-1].startswith("bright")
     panel.set(level=250)
     assert "0% are bright." in panel.summary()
+    drawing = draw_picture(NOISE, title="Noise")
+    assert image(FunctionPanel("One", lambda values, student: drawing, [LEVEL]), 0).alt == drawing.alt
 
 
-def test_controls_are_beside_one_picture_and_below_two():
+def test_controls_are_beside_one_picture_and_below_two_and_small_pictures_are_among_the_controls():
     def pictures(values, student):
         return {str(number): NOISE for number in range(values.count)}
 
@@ -204,9 +177,6 @@ def test_controls_are_beside_one_picture_and_below_two():
     assert "nao-beside" in panel.widget._dom_classes
     panel.set(count=2)
     assert "nao-beside" not in panel.widget._dom_classes
-
-
-def test_small_pictures_are_among_the_controls_and_do_not_move_them():
     panel = FunctionPanel("Two", lambda values, student: {"A": NOISE, "B": NOISE}, [LEVEL], small=("B",))
     main, side = panel.widget.children[1].children
     assert [each.alt for each in all_widgets(main) if isinstance(each, LabelledImage)] == ["Two: A"]
@@ -214,12 +184,7 @@ def test_small_pictures_are_among_the_controls_and_do_not_move_them():
     assert "nao-beside" in panel.widget._dom_classes
 
 
-def test_a_figures_text_alternative_is_what_it_says():
-    drawing = draw_picture(NOISE, title="Noise")
-    assert image(FunctionPanel("One", lambda values, student: drawing, [LEVEL]), 0).alt == drawing.alt
-
-
-def test_only_pictures_that_changed_are_encoded_and_sent(monkeypatch):
+def test_only_pictures_that_changed_are_sent_and_keys_press_the_buttons_that_have_one(monkeypatch):
     panel, sent = make(), []
     monkeypatch.setattr(picture_row, "encoded", lambda *given: sent.append(given[0]) or encoded(*given))
     panel.set(level=100)
@@ -227,8 +192,15 @@ def test_only_pictures_that_changed_are_encoded_and_sent(monkeypatch):
     panel.set(level=110)
     assert [np.array_equal(each, panel.shown.pictures["Your mask"]) for each in sent] == [True]
 
+    def words(panel):
+        return "".join(each.value for each in all_widgets(panel.widget) if isinstance(each, ipywidgets.HTML))
 
-def test_a_pixel_is_marked_over_its_picture_and_in_the_still_figure():
+    said = words(make(controls=[LEVEL, Action("draw_again", "Again", key="N")]))
+    assert html.escape('{"n": "draw-again"}') in said and "n: Again" in said
+    assert 'nao-keys"' not in words(make())
+
+
+def test_a_pixel_is_marked_over_its_picture_and_a_legend_says_what_colours_mean():
     controls = [LEVEL, Pixel("pixel", "Pixel", (32, 24), (0, 0), picture="Your mask")]
     panel = make(controls=controls)
     frames = [each for each in all_widgets(panel.widget) if "nao-frame" in each._dom_classes]
@@ -237,9 +209,6 @@ def test_a_pixel_is_marked_over_its_picture_and_in_the_still_figure():
     panel.set(pixel=(31, 23))
     assert "left: 98.438%; top: 97.917%" in panel._pads["pixel"][1].value
     assert panel.drawing().image() != before
-
-
-def test_a_legend_says_what_colours_mean():
     panel = FunctionPanel("Two", lambda values, student: iter([NOISE, Legend({"a < b": "#ff0000"})]), [LEVEL])
     assert "a &lt; b" in panel._legend.value and "#ff0000" in panel._legend.value
     assert "a < b" in [text.get_text() for text in panel.drawing().figure.legends[0].get_texts()]
@@ -259,9 +228,6 @@ def test_what_cannot_be_shown_is_a_sentence(shown, said):
     assert "nao-alarm" in panel._status.value
 
 
-# --- the student's code ---
-
-
 def unwritten(picture, level):
     raise NotImplementedError
 
@@ -275,9 +241,7 @@ def failing(picture, level):
 @pytest.mark.parametrize(
     ("unfinished", "said"),
     [
-        (None, "Finish brighter() to see this."),
         ("Finish exercise 1.3.", "Finish exercise 1.3."),
-        ({"brighter": "Finish exercise 1.4."}, "Finish exercise 1.4."),
         ({"other": "Finish exercise 1.5."}, "Finish brighter() to see this."),
     ],
 )
@@ -305,7 +269,7 @@ def test_a_mistake_is_a_sentence_with_its_line_and_the_panel_goes_on():
     assert "nothing yet" not in image(panel, 1).alt
 
 
-def test_a_function_that_writes_into_the_picture_spoils_nothing():
+def test_a_function_that_writes_into_the_picture_spoils_nothing_and_what_it_prints_is_in_the_panel(capsys):
     before = NOISE.copy()
 
     def spoil(picture, level):
@@ -314,6 +278,9 @@ def test_a_function_that_writes_into_the_picture_spoils_nothing():
 
     make(spoil)
     assert np.array_equal(NOISE, before)
+    panel = make(lambda *given: print("mean < 80") or brighter(*given))
+    assert "mean &lt; 80" in panel._status.value
+    assert capsys.readouterr().out == ""
 
 
 def test_a_function_that_is_defined_again_is_used_at_once():
@@ -325,12 +292,6 @@ def test_a_function_that_is_defined_again_is_used_at_once():
     before = panel.shown.pictures["Your mask"]
     panel.set(level=100)
     assert (panel.shown.pictures["Your mask"] != before).any()
-
-
-def test_what_is_printed_is_in_the_panel_and_nowhere_else(capsys):
-    panel = make(lambda *given: print("mean < 80") or brighter(*given))
-    assert "mean &lt; 80" in panel._status.value
-    assert capsys.readouterr().out == ""
 
 
 def test_a_function_that_never_ends_is_stopped_in_any_thread():
@@ -373,17 +334,15 @@ def test_in_a_kernels_loop_only_the_newest_value_is_shown():
     assert "Level 150" in panel.summary()
 
 
-def test_names_that_are_not_there_are_an_error_that_lists_those_that_are():
-    assert (
-        "no control 'size'; it has ['level']"
-        in FunctionPanel("A", lambda values, student: values.size, [LEVEL]).summary()
-    )
-    assert (
-        "no function 'darker'; it has ['brighter']"
-        in make(function=lambda values, student: student.darker()).summary()
-    )
+def test_names_that_are_not_there_are_errors_that_list_others_and_wrong_results_are_said_to_be_of_their_function():
+    panel = FunctionPanel("A", lambda values, student: values.size, [LEVEL])
+    assert "no control 'size'; it has ['level']" in panel.summary()
+    panel = make(function=lambda values, student: student.darker())
+    assert "no function 'darker'; it has ['brighter']" in panel.summary()
     with pytest.raises(ValueError, match="brighter must be a function, got int"):
         make(3)
+    panel = make(lambda picture, level: None)
+    assert "AttributeError in the panel, in the code that uses the result of brighter()" in panel.summary()
 
 
 def test_the_still_picture_of_a_panel_keeps_photographs_on_a_dark_page_and_inverts_drawings():
@@ -407,21 +366,12 @@ def _signs(values, student):
     yield Legend({"positive": "#2c6e8f"})
 
 
-def test_how_long_the_students_code_takes_is_said():
+def test_how_long_the_code_takes_is_said_and_a_title_that_comes_again_takes_the_place_of_the_first():
     panel = make(lambda *given: time.sleep(0.12) or brighter(*given))
     assert int(re.search(r"Your code took (\d+) ms", panel._status.value)[1]) >= 120
     assert "ms" not in repr(panel)
     assert "Your code" not in FunctionPanel("None", lambda values, student: "Yes.", [LEVEL])._status.value
 
-
-def test_what_a_function_returned_wrongly_is_said_to_be_its():
-    panel = make(lambda picture, level: None)
-    assert (
-        "AttributeError in the panel, in the code that uses the result of brighter(), line" in panel.summary()
-    )
-
-
-def test_a_title_that_comes_again_takes_the_place_of_the_first():
     def later(values, student):
         yield {"A": np.zeros((4, 4), np.uint8), "B": NOISE}
         yield {"A": np.ones((4, 4), bool)}

@@ -71,7 +71,6 @@ TAKE_OVER = {
     "its button": (lambda panel: press(panel, "forwards"), None),
     "one back": (lambda panel: press(panel, "back"), None),
     "Reset": (lambda panel: reset_button(panel).click(), 3),
-    "reset()": (lambda panel: panel.reset(), 3),
     "the slider": (lambda panel: setattr(panel._widgets["step"], "value", 11), 11),
 }
 
@@ -95,13 +94,20 @@ def test_who_takes_over_stops_it(who):
     asyncio.run(drive())
 
 
-def test_a_key_that_is_held_has_the_pace_of_the_speed():
+def test_a_key_that_is_held_has_the_pace_of_the_speed_and_with_one_speed_there_is_nothing_to_choose():
     panel = make()
     assert "nao-repeat-0" in panel.widget._dom_classes
     panel._widgets["speed"].value = "slow"
     assert [name for name in panel.widget._dom_classes if "repeat" in name] == ["nao-repeat-500"]
     panel.reset()  # leaves the speed
     assert [name for name in panel.widget._dom_classes if "repeat" in name] == ["nao-repeat-500"]
+    panel = make(speeds={"one": 1.4}, backwards=False)
+    assert "speed" not in panel.values and "backwards" not in panel.values and panel.speed == 1.4
+    assert "nao-repeat-714" in panel.widget._dom_classes
+    hint = "Keys: space Play, b Backwards, \N{LEFTWARDS ARROW} Step back, \N{RIGHTWARDS ARROW} Step on"
+    keyed = next(each for each in all_widgets(make().widget) if "nao-key-line" in each._dom_classes)
+    assert hint in keyed.value and keyed.layout.min_width == f"min(100%, {len(hint)}ch)"
+    assert "arrow left: Step back" in keyed.value  # what a screen reader says
 
 
 def test_presses_that_come_faster_than_pictures_each_count_and_are_drawn_once():
@@ -120,16 +126,3 @@ def test_presses_that_come_faster_than_pictures_each_count_and_are_drawn_once():
         assert drawn == [0, 9]
 
     asyncio.run(drive())
-
-
-def test_with_one_speed_there_is_nothing_to_choose_and_backwards_may_be_left_out():
-    panel = make(speeds={"one": 1.4}, backwards=False)
-    assert "speed" not in panel.values and "backwards" not in panel.values and panel.speed == 1.4
-    assert "nao-repeat-714" in panel.widget._dom_classes
-
-
-def test_all_of_the_keys_hint_has_room():
-    hint = "Keys: space Play, b Backwards, \N{LEFTWARDS ARROW} Step back, \N{RIGHTWARDS ARROW} Step on"
-    keyed = next(each for each in all_widgets(make().widget) if "nao-key-line" in each._dom_classes)
-    assert hint in keyed.value and keyed.layout.min_width == f"min(100%, {len(hint)}ch)"
-    assert "arrow left: Step back" in keyed.value  # what a screen reader says

@@ -5,6 +5,7 @@ import pytest
 from nao_course.lessons.beyond import ExplorePanel, MovesPanel, TwoCamerasPanel, planning
 from nao_course.lessons.beyond.panels import MOVES
 from nao_course.lessons.beyond.worlds import LANDMARKS
+from tests.lessons.every import blank
 
 
 def sigmas(panel):
@@ -28,16 +29,13 @@ def test_more_pixels_help_both_cameras_and_without_tilt_one_is_better(cameras):
     assert sigmas(panel) == (pytest.approx(one, rel=0.1), pytest.approx(both / 4, rel=0.15))
 
 
-def test_a_point_that_is_not_in_both_pictures_is_said_to_be_so(cameras):
+def test_a_point_in_only_one_picture_is_said_to_be_so_and_the_known_part_grows_while_it_plays(cameras, own):
     panel = TwoCamerasPanel(*cameras)
     panel.set(distance=3.0, pitch=20.0)
     assert "both pictures" in panel.summary() and "not see" in panel.summary()
     assert "nan" not in panel.summary()
     assert "deviation: the" not in panel.summary(), "what is not seen has no standard deviation"
     assert panel.drawing().alt.startswith("How far is it?")
-
-
-def test_the_known_part_grows_while_it_plays_and_the_frontiers_end(own):
     panel = ExplorePanel(own["find_frontiers"], own["travel_steps"])
     parts = []
     for move in (0, 20, MOVES - 1):
@@ -58,7 +56,7 @@ def test_a_function_that_was_mended_explores_anew(own):
     assert known(other) < known(panel) - 20 and "with 0 frontier cells" in other.summary()
 
 
-def test_a_drive_is_the_one_of_the_lessons_table_and_another_rule_drives_elsewhere(own, ekf):
+def test_a_drive_is_of_the_lessons_table_and_other_rules_drive_elsewhere_also_without_a_choice(own, ekf):
     panel = MovesPanel(own["choose_move"], *ekf)
     panel.set(move=planning.MOVES, drive=3)
     contents, drive = panel.world.contents, planning.journey(own["choose_move"], ekf, 3)
@@ -75,12 +73,7 @@ def test_a_drive_is_the_one_of_the_lessons_table_and_another_rule_drives_elsewhe
     panel.set(move=0, behind=True)
     assert "After 0 moves: standard deviation 0 cm" in panel.summary() and "0 landmarks" in panel.summary()
 
-
-def test_an_unfinished_choice_leaves_the_other_rules(ekf):
-    def unfinished(*arguments):
-        raise NotImplementedError
-
-    panel = MovesPanel(unfinished, *ekf)
+    panel = MovesPanel(blank, *ekf)
     panel.set(move=2)
     assert "Finish exercise 12.7" in panel.summary()
     panel.set(rule="in a circle")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from nao_course.geometry import wrap_angle
+from nao_course.lessons.beyond import recorded as figures_of
 from nao_course.lessons.beyond.challenge import CHALLENGE
 from nao_course.lessons.beyond.exploring import anywhere_known, explore, nearest_frontier
 from nao_course.lessons.beyond.figures import FOUND, LOST_SEED, LOST_SHOWN, lap
@@ -26,10 +27,12 @@ def section(heading):
 
 def recorded(name):
     path = PROJECT / "benchmarks" / "results" / f"beyond_{name}.json"
-    return json.loads(path.read_text(encoding="utf-8"))
+    found = json.loads(path.read_text(encoding="utf-8"))
+    assert found == figures_of.read(getattr(figures_of, name.upper())), "the figures show another recording"
+    return found
 
 
-def test_the_text_says_how_consistent_filter_and_particles_were():
+def test_the_text_says_what_was_measured_of_particles_rooms_and_moves():
     measured = recorded("particles")
     rows = {row["particles"]: row for row in measured["rows"]}
     off = {n: f"{100 * row['error'][150]:.1f} cm" for n, row in rows.items()}
@@ -49,32 +52,11 @@ def test_the_text_says_how_consistent_filter_and_particles_were():
     assert low < rows[300]["nees"][10] < high and low < nees[None] < high
     assert high < min(nees[n] for n in (10, 100, 300, 1000))
     assert 35 < rows[100]["ms"] / rows[None]["ms"] < 65  # about fifty times as long
-
-
-def test_the_text_says_what_two_cameras_measured():
-    rows = recorded("cameras")["rows"]
-    at_two = {row["width"]: row for row in rows if row["distance"] == 2}
-    (one,) = {f"{row['one']:.2f} m" for row in at_two.values()}
-    both = [f"{at_two[width]['both']:.2f} m at {width}x{width * 3 // 4}" for width in (320, 640, 1280)]
-    quotes(section("When are two cameras better?"), one, *both, f"{100 * at_two[320]['both']:.0f} cm at 2 m")
-    # The answer to the question `when_both_pay`: no r in it
-    ratios = {row["one"] / row["both"] for row in rows if row["width"] == 320}
-    assert min(ratios) > 0.85 and max(ratios) < 1.0
-    assert round(at_two[1280]["one"] / at_two[1280]["both"]) == 4
-
-
-def test_the_text_says_what_was_explored():
-    rooms = recorded("exploring")
-    known = [
-        100 * np.array(rooms["variants"][way]["quartiles"][1])
-        for way in ("nearest frontier", "at random", "lanes")
-    ]
+    rooms, ways = recorded("exploring"), ("nearest frontier", "at random", "lanes")
+    known = [100 * np.array(rooms["variants"][way]["quartiles"][1]) for way in ways]
     after = [f"{each[moves]:.0f} %" for moves in (30, 60) for each in known]
     quotes(section("Exercise 12.6 (three stars)"), *after)
     assert rooms["rooms"] == 30
-
-
-def test_the_text_says_what_the_choice_is_worth_and_a_quarter_of_the_uncertainty_is_saved():
     moves = recorded("moves")
     variants = moves["variants"]
     names = ("smallest variance", "at random", "in a circle", "along the edge")
@@ -95,9 +77,6 @@ def test_the_text_says_what_the_choice_is_worth_and_a_quarter_of_the_uncertainty
     low, high = moves["band"]
     assert moves["drives"] == 30 and low < nees < high
     assert 1 - chosen[0] / chance[0] >= 0.25  # asked of the course
-
-
-def test_from_a_blind_start_the_choice_ends_less_certain_than_random_moves_and_with_a_larger_error():
     back = recorded("moves")["back"]
     chosen, chance = (
         [np.median(back[name][key]) for key in ("sigma", "error")]
@@ -107,6 +86,18 @@ def test_from_a_blind_start_the_choice_ends_less_certain_than_random_moves_and_w
     quotes(section("With its back to the goal"), *(f"{each:.2f} m" for each in (twelve, *chosen, *chance)))
     assert chosen[0] > chance[0] and chosen[1] > chance[1]
     assert np.mean(back["smallest variance"]["nees"]) > 10
+
+
+def test_the_text_says_what_two_cameras_measured():
+    rows = recorded("cameras")["rows"]
+    at_two = {row["width"]: row for row in rows if row["distance"] == 2}
+    (one,) = {f"{row['one']:.2f} m" for row in at_two.values()}
+    both = [f"{at_two[width]['both']:.2f} m at {width}x{width * 3 // 4}" for width in (320, 640, 1280)]
+    quotes(section("When are two cameras better?"), one, *both, f"{100 * at_two[320]['both']:.0f} cm at 2 m")
+    # The answer to the question `when_both_pay`: no r in it
+    ratios = {row["one"] / row["both"] for row in rows if row["width"] == 320}
+    assert min(ratios) > 0.85 and max(ratios) < 1.0
+    assert round(at_two[1280]["one"] / at_two[1280]["both"]) == 4
 
 
 def test_the_text_says_by_how_much_an_entry_leads_the_next_and_at_which_limit_the_robot_returns():
@@ -127,9 +118,8 @@ def test_the_text_says_by_how_much_an_entry_leads_the_next_and_at_which_limit_th
 )
 def test_the_combs_of_the_worked_example_keep_what_the_text_says(own, q, teeth, kept):
     assert re.search(rf"With \$q = {q}\$ (the teeth|they) are at {teeth}", TEXT)
-    assert [float(each) for each in re.findall(r"[\d.]+", teeth)] == pytest.approx(
-        (q + np.arange(3)) / 3, abs=5e-4
-    )
+    at = [float(each) for each in re.findall(r"[\d.]+", teeth)]
+    assert at == pytest.approx((q + np.arange(3)) / 3, abs=5e-4)
     shift = SimpleNamespace(random=lambda: q)
     assert list(own["resample"](np.array([0.5, 0.1, 0.4]), shift)) == kept
     assert "is lost in 37 % of all cases" in TEXT and round(100 * (1 - 1 / 2000) ** 2000) == 37
@@ -190,7 +180,7 @@ def drawn(heading):
     return [np.array([row[i].split() for row in rows]) for i in range(len(rows[0]))]
 
 
-def test_the_drawn_frontiers_and_steps_are_those_of_the_solution(own):
+def test_the_drawn_frontiers_and_steps_are_those_of_the_solution_and_the_first_picture_says_its_numbers(own):
     plain, marked = drawn("Where nobody has looked")
     grid = np.select([plain == "?", plain == "#"], [-1, 1], 0)
     assert np.array_equal(np.asarray(own["find_frontiers"](grid)), marked == "F")
@@ -199,6 +189,11 @@ def test_the_drawn_frontiers_and_steps_are_those_of_the_solution(own):
     found = np.asarray(own["travel_steps"](grid == 0, (1, 1)))
     assert [int(each) for each in steps[grid == 0]] == found[grid == 0].tolist()
     assert np.array_equal(steps[grid != 0], plain[grid != 0])
+    (cell,) = [each for each in executed("12_beyond").cells if "check.payoff(" in each.source]
+    told = re.search(r"!\[([^\]]+)\]\(images/12_payoff.png\)", TEXT)[1]
+    said = re.findall(r"(\d\.\d+) m", cell.outputs[0].data["text/plain"])
+    wanted = [round(100 * float(each)) for each in said]
+    assert [int(each) for each in re.findall(r"(\d+) cm", told)] == wanted
 
 
 @pytest.mark.slow
@@ -216,12 +211,3 @@ def test_chance_is_ahead_of_the_nearest_frontier_in_the_rooms_that_the_text_name
     }
     assert found == ahead
     assert "After 20 moves, in three of the ten rooms (5, 7 and 8); after 60 moves, in none." in TEXT
-
-
-def test_the_alt_text_of_the_first_picture_has_the_numbers_of_the_figure():
-    (cell,) = [each for each in executed("12_beyond").cells if "check.payoff(" in each.source]
-    told = re.search(r"!\[([^\]]+)\]\(images/12_payoff.png\)", TEXT)[1]
-    said = re.findall(r"(\d\.\d+) m", cell.outputs[0].data["text/plain"])
-    assert [int(each) for each in re.findall(r"(\d+) cm", told)] == [
-        round(100 * float(each)) for each in said
-    ]

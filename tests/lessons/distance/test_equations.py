@@ -21,9 +21,7 @@ def tilts_of(sigma, number):
 
 @pytest.mark.asserts("eq-4-1")
 def test_the_papers_formula_is_its_four_lines_and_off_by_what_the_text_says(rng):
-    view = CameraView(
-        (320, 240), 1.04, 0.82, height=0.48, pitch=0.6, yaw=0.4, roll=0.1, offset=(0.05, 0.02), k1=-0.08
-    )
+    view = CameraView((320, 240), 1.04, 0.82, 0.48, 0.6, yaw=0.4, roll=0.1, offset=(0.05, 0.02), k1=-0.08)
     pixels = rng.uniform(0, (319, 239), (20, 2))
     u, v = pixels.T
     angle_c = (np.pi / 2 - view.pitch) - view.vfov / 2
@@ -128,20 +126,16 @@ def test_each_entry_of_a_pictures_covariance_is_within_ten_percent_of_sampling()
     assert computed[5, 5] / sampled[5, 5] == pytest.approx(0.91, abs=0.01)
 
 
-def test_points_have_the_covariance_of_their_measurements_turned():
+def test_points_have_the_covariance_of_their_measurements_turned_and_an_offset_of_the_pitch_is_found(rng):
     polar = np.array([[0.0, 2.0], [np.pi / 2, 3.0]])
     full = np.diag([0.01, 0.04, 0.02, 0.09])
     expected = np.array([np.diag([0.04, 0.04]), np.diag([0.18, 0.09])])
     assert points_covariance(polar, full) == pytest.approx(expected)
     with pytest.raises(ValueError, match="2 measurements"):
         points_covariance(polar, np.eye(3))
-
-
-def test_the_offset_of_a_pitch_is_found_through_lens_yaw_and_roll(rng):
     view = replace(usual_view(), yaw=0.4, roll=0.05)
     bearing, away = view.yaw + rng.uniform(-0.4, 0.4, 12), rng.uniform(1.0, 4.0, 12)
     points = np.column_stack([away * np.cos(bearing), away * np.sin(bearing)])
     wrong = replace(view, pitch=view.pitch - np.radians(6.4))
-    assert OWN["estimate_pitch"](view.project(points), points, wrong) == pytest.approx(
-        np.radians(6.4), abs=1e-4
-    )
+    found = OWN["estimate_pitch"](view.project(points), points, wrong)
+    assert found == pytest.approx(np.radians(6.4), abs=1e-4)

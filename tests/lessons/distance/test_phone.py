@@ -39,13 +39,17 @@ def true_pixels():
     return view.at_size(SIZE).project(CORNERS, pose)
 
 
-def test_a_phones_file_is_read_with_its_focal_length_and_upright():
+def test_a_phones_file_is_read_upright_with_its_focal_length_if_that_makes_sense():
     photo = read_photo(as_file(sheet.usual_photo(), exif=exif(focal=28)))
     assert photo.pixels.shape == (240, 320, 3) and photo.focal_35 == 28
     assert photo.hfov(FOCAL_35) == pytest.approx(1.13, abs=0.01)
     upside_down = np.ascontiguousarray(sheet.usual_photo()[::-1, ::-1])
     turned = read_photo(as_file(upside_down, exif=exif(orientation=3)))
     assert np.abs(turned.pixels.astype(int) - photo.pixels).mean() < 2
+    assert read_photo(as_file(sheet.usual_photo(), exif=exif(focal=3))).focal_35 is None
+    assert read_photo(as_file(sheet.usual_photo())).focal_35 is None
+    with pytest.raises(ValueError, match="more than 0 mm"):
+        read_photo(as_file(sheet.usual_photo())).hfov(0.0)
 
 
 def test_a_wide_or_tall_picture_is_centred_and_its_field_of_view_with_it():
@@ -61,9 +65,7 @@ def test_a_wide_or_tall_picture_is_centred_and_its_field_of_view_with_it():
     "image",
     [
         Image.new("RGBA", (400, 300), (200, 30, 30, 0)),
-        Image.new("LA", (400, 300), (90, 128)),
         Image.new("P", (400, 300), 3),
-        Image.new("1", (400, 300), 1),
         Image.new("I;16", (400, 300), 40_000),
     ],
     ids=lambda image: image.mode,
@@ -89,15 +91,13 @@ NOISE = np.random.default_rng(0).integers(0, 255, (300, 400, 3)).astype(np.uint8
     ("content", "said"),
     [
         (b"", "cannot be read as a picture"),
-        (b"hello, this is a text", "cannot be read as a picture"),
         (b"\x00\x00\x00\x18ftypheic" + b"\x00" * 100, "HEIC"),
-        (b"\x00\x00\x00\x18ftypmif1" + b"\x00" * 100, "HEIC"),
         (b"\xff" * 40_000_001, "at most 40"),
         (as_file(np.zeros((50, 50, 3), np.uint8)), "at least 100"),
         (png_of(40_000, 40_000), "million|cannot be read as a picture"),
         (as_file(NOISE)[:3000], "damaged"),
     ],
-    ids=["empty", "text", "heic", "heif", "huge file", "tiny", "huge picture", "cut off"],
+    ids=["empty", "heic", "huge file", "tiny", "huge picture", "cut off"],
 )
 def test_a_bad_upload_gets_a_sentence(content, said):
     with pytest.raises(ValueError, match=said) as caught:
@@ -105,19 +105,11 @@ def test_a_bad_upload_gets_a_sentence(content, said):
     assert str(caught.value).endswith(".")
 
 
-def test_a_focal_length_that_makes_no_sense_is_left_out():
-    assert read_photo(as_file(sheet.usual_photo(), exif=exif(focal=3))).focal_35 is None
-    assert read_photo(as_file(sheet.usual_photo())).focal_35 is None
-    with pytest.raises(ValueError, match="more than 0 mm"):
-        read_photo(as_file(sheet.usual_photo())).hfov(0.0)
-
-
 def test_four_exact_points_give_back_the_camera_and_points_in_another_order_are_refused():
     view, pose = sheet.usual_phone()
     found, at = view_from_points(true_pixels(), CORNERS, 1.13)
-    assert (found.height, found.pitch, found.roll) == pytest.approx(
-        (view.height, view.pitch, 0.0), rel=1e-3, abs=2e-3
-    )
+    wanted = pytest.approx((view.height, view.pitch, 0.0), rel=1e-3, abs=2e-3)
+    assert (found.height, found.pitch, found.roll) == wanted
     assert at.as_array() == pytest.approx(pose.as_array(), abs=0.01)
     for pixels, said in (
         (true_pixels()[[0, 2, 1, 3]], "own corner"),
@@ -188,12 +180,18 @@ def test_a_clicked_corner_gets_a_ring_in_the_photo_and_one_on_the_paper():
     )
 
 
-def test_without_the_letters_height_and_pitch_are_the_sliders():
+def test_without_the_letters_height_and_pitch_are_the_sliders_and_a_landmark_without_ground_is_said():
     panel = lab()
     assert "Click the corner A" in panel.summary() and "phone" not in panel.shown.drawings["The paper"].alt
     near = np.array(rows(panel, 0))
     panel.set(height=66.0)
     assert rows(panel, 0) == pytest.approx(2 * near, abs=0.2)
+    nothing = lab(find=lambda pixels: np.zeros((0, 2)))
+    assert "no post" in nothing.summary() and not nothing.shown.tables
+    sky = np.vstack([true_pixels(), [[160.0, 5.0]]])
+    panel = lab(find=lambda pixels: sky)
+    panel.set(pitch=20.0)
+    assert "NaN" in panel.summary()
 
 
 @pytest.mark.slow
@@ -212,7 +210,7 @@ def test_a_letter_can_be_set_again_reset_forgets_all_and_letters_turned_round_ar
     assert "wrong corners" in panel.summary()
 
 
-def test_reset_keeps_the_photos_focal_length_and_the_next_photo_does_not():
+def test_reset_keeps_the_photos_focal_length_and_a_file_beside_the_notebook_is_taken_by_its_name(tmp_path):
     panel = lab()
     panel.upload(as_file(sheet.usual_photo(), exif=exif(focal=120)))
     assert panel.values.focal == 120 and "focal length of 120 mm" in panel.summary()
@@ -220,20 +218,8 @@ def test_reset_keeps_the_photos_focal_length_and_the_next_photo_does_not():
     assert panel.values.focal == 120
     panel.upload(as_file(sheet.usual_photo()))
     assert panel.values.focal == 27 and "focal length" in panel.summary()
-
-
-def test_a_file_beside_the_notebook_is_taken_by_its_name(tmp_path):
     file = tmp_path / "sheet.jpg"
     file.write_bytes(as_file(sheet.usual_photo(), exif=exif(focal=35)))
     assert lab(photo=file).values.focal == 35
     missing = lab(photo=tmp_path / "none.jpg").summary()
     assert "no file" in missing and "simulated photo" in missing
-
-
-def test_no_landmark_and_one_above_the_horizon_are_said():
-    nothing = lab(find=lambda pixels: np.zeros((0, 2)))
-    assert "no post" in nothing.summary() and not nothing.shown.tables
-    sky = np.vstack([true_pixels(), [[160.0, 5.0]]])
-    panel = lab(find=lambda pixels: sky)
-    panel.set(pitch=20.0)
-    assert "NaN" in panel.summary()

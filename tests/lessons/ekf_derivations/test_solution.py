@@ -61,7 +61,8 @@ def test_a_motion_is_the_composition_of_poses_and_its_heading_turns_last(solutio
 
 
 @pytest.mark.asserts("eq-5-2")
-def test_a_measurement_is_where_the_landmark_lies_in_the_robots_frame(solution, places):
+@pytest.mark.asserts("eq-5-3")
+def test_a_measurement_is_where_the_landmark_lies_in_the_robots_frame_and_puts_it_back(solution, places):
     poses, _, measurements = places
     landmarks = solution["landmark_position"](poses, measurements)
     found = each(solution["expected_measurement"], poses, landmarks)
@@ -69,12 +70,6 @@ def test_a_measurement_is_where_the_landmark_lies_in_the_robots_frame(solution, 
     for pose, landmark, (bearing, distance) in zip(poses.T, landmarks.T, found, strict=True):
         local = distance * np.array([np.cos(bearing), np.sin(bearing)])
         assert np.allclose(local, Pose(*pose).to_local(landmark)[0], atol=1e-12)
-
-
-@pytest.mark.asserts("eq-5-3")
-def test_what_is_seen_of_a_landmark_puts_it_back_where_it_is(solution, places):
-    poses, _, measurements = places
-    landmarks = solution["landmark_position"](poses, measurements)
     seen = solution["expected_measurement"](poses, landmarks)
     assert np.allclose(solution["landmark_position"](poses, seen), landmarks, atol=1e-12)
     assert np.allclose(wrap_angle(seen[0] - measurements[0]), 0, atol=1e-9)
@@ -106,12 +101,16 @@ def noisy(errors, solution, poses, controls):
 
 
 @pytest.mark.asserts("eq-5-5")
-def test_the_motions_jacobians_are_its_slopes(solution, places):
+@pytest.mark.asserts("eq-5-7")
+def test_the_motions_jacobians_are_its_derivatives_and_the_matrices_of_the_lesson(solution, places):
     poses, controls, _ = places
     by_pose, by_noise = each(solution["motion_jacobians"], poses, controls)
     assert np.abs(by_pose - slopes(solution["predict_pose"], poses, controls, angle=2)).max() < NEAR
     errors = np.zeros((3, NUMBER))
     assert np.abs(by_noise - slopes(noisy, errors, solution, poses, controls, angle=2)).max() < NEAR
+    c, s, d = np.cos(poses[2]), np.sin(poses[2]), controls[0]
+    assert np.allclose(by_pose, matrices((1, 0, -d * s), (0, 1, d * c), (0, 0, 1)))
+    assert np.allclose(by_noise, matrices((c, -s, 0), (s, c, 0), (0, 0, 1)))
 
 
 @pytest.mark.asserts("eq-5-6")
@@ -139,44 +138,18 @@ def matrices(*rows):
     return np.array([[np.broadcast_to(entry, NUMBER) for entry in row] for row in rows]).transpose(2, 0, 1)
 
 
-@pytest.mark.asserts("eq-5-7")
-def test_the_motions_jacobians_are_the_matrices_that_the_lesson_displays(solution, places):
-    poses, controls, _ = places
-    c, s, d = np.cos(poses[2]), np.sin(poses[2]), controls[0]
-    by_pose, by_noise = each(solution["motion_jacobians"], poses, controls)
-    assert np.allclose(by_pose, matrices((1, 0, -d * s), (0, 1, d * c), (0, 0, 1)))
-    assert np.allclose(by_noise, matrices((c, -s, 0), (s, c, 0), (0, 0, 1)))
-
-
 @pytest.mark.asserts("eq-5-8")
-def test_a_landmarks_jacobians_are_the_matrices_that_the_lesson_displays(solution, places):
-    poses, _, (beta, r) = places
-    c, s = np.cos(poses[2] + beta), np.sin(poses[2] + beta)
-    by_pose, by_measurement = each(solution["landmark_jacobians"], poses, np.array([beta, r]))
-    assert np.allclose(by_pose, matrices((1, 0, -r * s), (0, 1, r * c)))
-    assert np.allclose(by_measurement, matrices((-r * s, c), (r * c, s)))
-
-
 @pytest.mark.asserts("eq-5-9")
-def test_a_measurements_jacobians_are_the_matrices_that_the_lesson_displays(solution, places):
-    poses, _, measurements = places
-    landmarks = solution["landmark_position"](poses, measurements)
-    dx, dy = landmarks - poses[:2]
-    q, r = dx**2 + dy**2, np.hypot(dx, dy)
-    by_pose = each(solution["measurement_jacobian_pose"], poses, landmarks)
-    by_landmark = each(solution["measurement_jacobian_landmark"], poses, landmarks)
-    assert np.allclose(by_pose, matrices((dy / q, -dx / q, -1), (-dx / r, -dy / r, 0)))
-    assert np.allclose(by_landmark, matrices((-dy / q, dx / q), (dx / r, dy / r)))
-
-
-def test_jacobians_of_landmarks_and_measurements_are_their_slopes_with_the_properties_that_the_lesson_names(
-    solution, places
-):
+def test_jacobians_of_landmarks_and_measurements_are_derivatives_and_the_lessons_matrices(solution, places):
     poses, _, measurements = places
     place, seen = solution["landmark_position"], solution["expected_measurement"]
     by_pose, by_measurement = each(solution["landmark_jacobians"], poses, measurements)
     assert np.abs(by_pose - slopes(place, poses, measurements)).max() < NEAR
     assert np.abs(by_measurement - slopes(lambda z: place(poses, z), measurements)).max() < NEAR
+    (beta, r), theta = measurements, poses[2]
+    c, s = np.cos(theta + beta), np.sin(theta + beta)
+    assert np.allclose(by_pose, matrices((1, 0, -r * s), (0, 1, r * c)))
+    assert np.allclose(by_measurement, matrices((-r * s, c), (r * c, s)))
     landmarks = place(poses, measurements)
     by_pose = each(solution["measurement_jacobian_pose"], poses, landmarks)
     by_landmark = each(solution["measurement_jacobian_landmark"], poses, landmarks)
@@ -188,6 +161,10 @@ def test_jacobians_of_landmarks_and_measurements_are_their_slopes_with_the_prope
     assert np.allclose((first * second).sum(axis=1), 0)
     assert np.allclose(np.linalg.norm(second, axis=1), 1)
     assert np.allclose(np.linalg.norm(first, axis=1), 1 / measurements[1])
+    dx, dy = landmarks - poses[:2]
+    q, r = dx**2 + dy**2, np.hypot(dx, dy)
+    assert np.allclose(by_pose, matrices((dy / q, -dx / q, -1), (-dx / r, -dy / r, 0)))
+    assert np.allclose(by_landmark, matrices((-dy / q, dx / q), (dx / r, dy / r)))
 
 
 def test_what_sympy_derives_is_what_numpy_computes(solution, places):

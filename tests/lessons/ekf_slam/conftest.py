@@ -2,16 +2,21 @@
 
 import pytest
 
-from nao_course.instructor.authoring.plans import load_solution
-from tests.paths import SOLUTIONS
+from tests.lessons import every
 
 
 @pytest.fixture(scope="session")
 def own():
-    return load_solution(SOLUTIONS / "07_ekf_slam.ipynb")
+    return every.own("07")
+
+
+@pytest.fixture(scope="session")
+def functions(own):
+    """Return what a filter on named landmarks calls."""
+    return own["predict"], own["update_landmarks"], own["add_landmark"]
 
 
 @pytest.fixture(scope="session")
 def film_functions(own):
-    """What makes the film."""
+    """Return what makes the film."""
     return own["init_landmarks"], own["predict"], own["update"]

@@ -22,6 +22,7 @@ from nao_course.lessons.ekf_slam.bent_map.runs import (
     sampled_covariance,
 )
 from nao_course.lessons.ekf_slam.consistency import NOISY
+from nao_course.metrics import squared_distances
 from tests.lessons.ekf_slam.make_bent_map import functions_with, made
 
 
@@ -45,18 +46,13 @@ def test_the_recording_is_made_by_two_declared_mistakes():
     assert_close(again["test"], recorded_test())
 
 
-def test_the_lessons_numbers_hold(own):
+def test_the_lessons_numbers_hold(functions):
     two, one = recorded_run(TWO_ERRORS), recorded_run(ONE_ERROR)
     assert two.map_error == pytest.approx(0.90, abs=0.005) and one.map_error == pytest.approx(0.19, abs=0.005)
-    yours = run_filter((own["predict"], own["update_landmarks"], own["add_landmark"]))
+    yours = run_filter(functions)
     assert yours.map_error == pytest.approx(0.02, abs=0.005)
     assert yours.nees.min() > 0 and yours.nees.max() < 9.3
-    inside = np.einsum(
-        "ki,kij,kj->k",
-        yours.landmarks - yours.true_landmarks,
-        np.linalg.inv(yours.landmark_covariances),
-        yours.landmarks - yours.true_landmarks,
-    )
+    inside = squared_distances(yours.landmarks - yours.true_landmarks, yours.landmark_covariances)
     assert inside.max() < 5.99 and yours.landmarks.size == 20
     assert yours.map_nees == pytest.approx(18.1, abs=0.05) and two.map_nees is None
     assert chi2.ppf([0.025, 0.975], 20) == pytest.approx([9.6, 34.2], abs=0.05)
@@ -68,16 +64,11 @@ def test_the_lessons_numbers_hold(own):
     assert 2 * np.sqrt(5.99 * np.linalg.eigvalsh(two.landmark_covariances).max()) < 0.2
 
 
-def test_after_warp2pi_all_innovations_are_small(own):
+def test_after_warp2pi_innovations_are_small_and_samples_show_the_forgotten_block_and_no_other(own):
     wrapped = np.degrees(np.abs(own["warp2pi"](recorded_run(ONE_ERROR).bearings[:, 1])))
     assert wrapped.max() < 20
-    assert (
-        "at most 356 degrees" in draw_bearings().alt
-        and "at most 17 degrees" in draw_bearings(own["warp2pi"]).alt
-    )
-
-
-def test_samples_show_the_forgotten_block_and_no_other(own):
+    assert "at most 356 degrees" in draw_bearings().alt
+    assert "at most 17 degrees" in draw_bearings(own["warp2pi"]).alt
     found = covariance_differences(np.array(recorded_test()["predicted"]))
     assert found["pose and map"] == pytest.approx(0.67, abs=0.005)
     assert found["pose"] < 0.03 and found["map"] < 0.03

@@ -12,11 +12,6 @@ from nao_course.slam import range_and_bearing
 Q, R = np.diag([0.05, 0.03, 0.04]) ** 2, np.diag([0.03, 0.05]) ** 2
 
 
-@pytest.fixture(scope="module")
-def functions(own):
-    return own["predict"], own["update_landmarks"], own["add_landmark"]
-
-
 def large_map(rng, k):
     """A state of pose and k landmarks, all correlated."""
     state = np.concatenate([[0.1, -0.2, 0.3], rng.uniform(-4, 4, 2 * k)])
@@ -26,9 +21,8 @@ def large_map(rng, k):
 
 def along(rng, state, covariance, regions, own, new, steps=6):
     """Drive through regions of near landmarks with both filters; yields both beliefs after each region."""
-    predict, update_landmarks, add_landmark = (
-        own[name] for name in ("predict", "update_landmarks", "add_landmark")
-    )
+    names = ("predict", "update_landmarks", "add_landmark")
+    predict, update_landmarks, add_landmark = (own[name] for name in names)
     k = (len(state) - 3) // 2
     truth = state.copy()
     full, small = (state.copy(), covariance.copy()), None
@@ -75,19 +69,6 @@ def test_on_any_drive_among_near_landmarks_it_equals_the_full_filter(own, seed, 
         assert np.abs(whole_covariance - covariance).max() < 1e-9
 
 
-def test_asking_for_the_whole_map_changes_nothing(functions):
-    rng = np.random.default_rng(5)
-    state, covariance = large_map(rng, 8)
-    asked = CompressedFilter(*functions, state, covariance, [2, 5])
-    never = CompressedFilter(*functions, state, covariance, [2, 5])
-    for _ in range(4):
-        for each in (asked, never):
-            each.predict(np.array([0.2, 0.1]), Q)
-            each.update_landmarks([5], np.array([0.3, 2.0]), R)
-        asked.whole()
-    assert all(np.allclose(*both, atol=1e-12) for both in zip(asked.whole(), never.whole(), strict=True))
-
-
 def test_far_landmarks_are_not_touched_before_the_robot_leaves(functions):
     rng = np.random.default_rng(6)
     state, covariance = large_map(rng, 400)
@@ -107,14 +88,11 @@ def test_far_landmarks_are_not_touched_before_the_robot_leaves(functions):
     assert small.near == [7, 3, 399]
 
 
-def test_a_landmark_that_is_not_near_is_refused(functions):
+def test_a_landmark_that_is_not_near_is_refused_and_what_comes_in_stays_as_it_is(functions):
     state, covariance = large_map(np.random.default_rng(7), 6)
     small = CompressedFilter(*functions, state, covariance, [0, 1])
     with pytest.raises(ValueError, match=r"landmarks \[4\] are not near; call move_to\(\) first"):
         small.update_landmarks([0, 4], np.zeros(4), R)
-
-
-def test_what_comes_in_stays_as_it_is(functions):
     state, covariance = large_map(np.random.default_rng(8), 6)
     given = state.copy(), covariance.copy()
     small = CompressedFilter(*functions, state, covariance, [0, 1])

@@ -23,11 +23,6 @@ from nao_course.sim.drives import Sigmas
 EXACT = Sigmas(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@pytest.fixture(scope="module")
-def functions(own):
-    return own["predict"], own["update_landmarks"], own["add_landmark"]
-
-
 @pytest.mark.parametrize("variant", [lambda functions: functions, with_first_estimates])
 def test_without_noise_every_pose_is_the_truth(functions, variant):
     drive = field_drive(1, EXACT, laps=1)
@@ -90,14 +85,11 @@ def known_of_the_maps_turn(functions, laps=1, sigma=0.5):
     return 1 / sigma**2, float(turn @ np.linalg.solve(P, turn))
 
 
-def test_with_first_estimates_measurements_add_no_information_on_the_maps_rotation(functions):
+def test_first_estimates_add_no_information_on_a_rotation_and_only_pose_map_covariances_are_zero(functions):
     before, after = known_of_the_maps_turn(with_first_estimates(functions))
     assert after <= before * (1 + 1e-6)
     before, after = known_of_the_maps_turn(functions)
     assert after > 2 * before
-
-
-def test_without_pose_map_only_those_covariances_are_zero(functions):
     _, _, add_landmark = functions
     grown = without_pose_map(functions)[2](np.zeros(3), np.eye(3), np.array([0.1, 1.0]), np.eye(2))[1]
     wanted = add_landmark(np.zeros(3), np.eye(3), np.array([0.1, 1.0]), np.eye(2))[1]

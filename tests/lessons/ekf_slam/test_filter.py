@@ -70,7 +70,7 @@ def test_a_long_way_past_many_landmarks_keeps_the_covariance_symmetric(own, rng)
     assert np.linalg.eigvalsh((P + P.T) / 2)[0] > 0
 
 
-def test_nothing_that_comes_in_is_changed(own, rng):
+def test_nothing_that_comes_in_is_changed_and_an_update_without_landmarks_changes_nothing(own, rng):
     state, P = np.array([0.1, 0.2, 3.0, 2.0, 1.0]), np.eye(5) * 0.04
     z, R, control, Q = np.array([0.4, 2.0]), np.eye(2) * 0.01, np.array([0.4, 0.5]), np.eye(3) * 0.01
     given = [each.copy() for each in (state, P, z, R, control, Q)]
@@ -80,15 +80,12 @@ def test_nothing_that_comes_in_is_changed(own, rng):
     own["init_landmarks"](z, R, state[:3], P[:3, :3])
     for before, after in zip(given, (state, P, z, R, control, Q), strict=True):
         assert np.array_equal(before, after)
-
-
-def test_an_update_without_landmarks_changes_nothing(own):
     state, P = np.array([0.1, 0.2, 3.0, 2.0, 1.0]), np.eye(5) * 0.04
     new, after = own["update_landmarks"](state, P, [], np.zeros(0), np.eye(2) * 0.01)
     assert np.array_equal(new[[0, 1, 3, 4]], state[[0, 1, 3, 4]]) and np.array_equal(after, P)
 
 
-def test_joint_noise_takes_all_three_forms_and_nothing_else():
+def test_joint_noise_takes_three_forms_and_angles_beyond_the_half_turn_break_warp2pis_law(own):
     one = np.array([[1.0, 0.5], [0.5, 4.0]])
     assert np.array_equal(joint_noise(one, 2), np.kron(np.eye(2), one))
     assert np.array_equal(joint_noise([one, 2 * one], 2), np.kron(np.diag([1.0, 2.0]), one))
@@ -98,8 +95,5 @@ def test_joint_noise_takes_all_three_forms_and_nothing_else():
     for wrong in (np.eye(3), np.ones((3, 2, 2)), 1.0, np.eye(6)):
         with pytest.raises(ValueError, match="measurement_covariance of 2 landmarks"):
             joint_noise(wrong, 2)
-
-
-def test_angles_beyond_the_half_turn_break_warp2pis_law(own):
     assert in_one_turn((), {}, own["warp2pi"](np.linspace(-50, 50, 999))) == ""
     assert in_one_turn((), {}, np.array([0.0, 3.2])) != ""

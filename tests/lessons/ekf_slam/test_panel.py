@@ -6,6 +6,7 @@ import pytest
 from nao_course.films.film import frames_of
 from nao_course.lessons.ekf_slam.film import UPDATED, correlations, record_film
 from nao_course.lessons.ekf_slam.panel import FilmPanel
+from tests.lessons.every import blank
 
 HALF = 0.0005 + 1e-9  # m and rad: the largest difference of a number and its rounded millimetres
 
@@ -15,7 +16,7 @@ def panel(film_functions):
     return FilmPanel(*film_functions)
 
 
-def test_the_filter_runs_once(film_functions):
+def test_the_filter_runs_once_and_a_function_defined_again_is_used_when_the_film_is_played(film_functions):
     init_landmarks, predict, update = film_functions
     calls = []
 
@@ -26,10 +27,6 @@ def test_the_filter_runs_once(film_functions):
     panel = FilmPanel(init_landmarks, predict, counted)
     panel._asked(None, {"ask": "newest"}, [])  # Play was pressed, and nothing has changed
     assert len(calls) == 25
-
-
-def test_a_function_that_was_defined_again_is_used_when_the_film_is_played(film_functions):
-    init_landmarks, predict, update = film_functions
     module = {"update": lambda *given: update(*given)}
     exec("def later(*given): return update(*given)", module)
     panel = FilmPanel(init_landmarks, predict, module["later"])
@@ -48,12 +45,12 @@ def test_the_film_holds_the_run_within_its_rounding(panel, film_functions):
     states = np.array([film.at(number)[1][:3] for number in range(film.last + 1)])
     assert np.abs(np.vstack(path) - states).max() <= HALF
     landmarks = [
-        n for n, kind in enumerate(kinds) if kind == "points" and len(data["layers"][n]["frames"]) > 1
+        n for n, each in enumerate(data["layers"]) if kinds[n] == "points" and len(each["frames"]) > 1
     ]
     for number, places in enumerate(frames_of(data, landmarks[0])):
         assert np.abs(places - film.at(number)[1][3:].reshape(-1, 2)).max() <= HALF
     [updated] = [
-        n for n, each in enumerate(data["layers"]) if each["colour"] == UPDATED and kinds[n] == "ellipses"
+        n for n in range(len(kinds)) if data["layers"][n]["colour"] == UPDATED and kinds[n] == "ellipses"
     ]
     shown = frames_of(data, updated)
     assert [len(each) for each in shown] == [1 - number % 2 for number in range(film.last + 1)]
@@ -67,19 +64,12 @@ def test_the_film_holds_the_run_within_its_rounding(panel, film_functions):
     assert last == pytest.approx(correlations(film.at(film.last)[2])[np.triu_indices(15)], abs=0.0026)
 
 
-def test_an_unfinished_exercise_is_named_and_there_is_no_film(film_functions):
-    def blank(*given):
-        raise NotImplementedError
-
+def test_an_unfinished_exercise_is_named_without_a_film_and_an_error_can_be_raised(film_functions):
     init_landmarks, predict, _ = film_functions
     unfinished = FilmPanel(init_landmarks, predict, blank)
     assert "exercises 7.4 and 7.5" in unfinished.summary() and unfinished.film is None
     assert "exercises 7.4 and 7.5" in unfinished._status.value
     assert "exercise 7.2" in FilmPanel(blank, blank, blank).summary()
-
-
-def test_an_error_is_shown_and_can_be_raised(film_functions):
-    init_landmarks, predict, _ = film_functions
 
     def broken(*given):
         raise KeyError("gain")

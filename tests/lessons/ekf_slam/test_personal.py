@@ -44,15 +44,12 @@ def test_the_table_ends_with_the_numbers_that_the_marker_gets(solution, function
     assert "robot of ada" in text
 
 
-def test_a_right_filter_of_another_form_has_the_same_numbers(solution, functions):
+def test_a_right_filter_of_another_form_has_the_same_numbers_and_one_without_gain_others(solution, functions):
     alternatives = load_plan(SOLUTIONS / "exercises" / "07_ekf_slam.py")["update"].alternatives
     world = PersonalWorld("bob")
     for update in alternatives.values():
         others = personal_distances(world, *functions[:2], update, functions[3])
         assert np.allclose(others, personal_distances(world, *functions), rtol=1e-6)
-
-
-def test_a_filter_without_a_gain_has_other_numbers(functions):
     world = PersonalWorld("bob")
     others = personal_distances(world, *functions[:2], lambda state, P, *rest: (state, P), functions[3])
     assert not np.allclose(others, personal_distances(world, *functions), rtol=0.05)

@@ -8,15 +8,13 @@ from nao_course.geometry import Pose
 from nao_course.lessons.experiments import budget
 from nao_course.lessons.experiments.budget import in_pixels, pixel_errors, sampled_poses, usual_scene
 from nao_course.lessons.experiments.scenes import simulated_scenes
-from tests.lessons.every import label, own, quotes
+from tests.lessons.every import blank, label, own, quotes
 from tests.lessons.experiments.own import OWN, TEXT
 
 FOUR = own("04")
 
 
-def test_landmarks_of_the_sight_are_in_the_picture_and_come_back_to_the_ground_and_to_the_true_pose(
-    monkeypatch,
-):
+def test_landmarks_of_the_sight_are_in_the_picture_and_return_to_the_ground_and_the_true_pose(monkeypatch):
     scene = usual_scene()
     pixels = in_pixels(scene)
     assert len(pixels) >= 3 and scene.view.contains(pixels).all()
@@ -58,17 +56,10 @@ def test_a_range_is_worth_less_farther_away_and_the_tilt_is_the_larger_part():
 
 
 def test_without_pixels_or_a_budget_each_figure_says_what_is_missing():
-    def blank():
-        raise NotImplementedError
-
-    missing = try_out(blank, "Finish exercise 10.6.")
-    for show in (
-        budget.draw_budget,
-        budget.larger_source,
-        lambda it: budget.draw_range_budget(FOUR["measurement_covariance"], it),
-        lambda it: budget.tell_tilt_left(FOUR["measurement_covariance"], it),
-        lambda it: budget.measure_budget(OWN["error_budget"], FOUR["measurement_covariance"], it),
-    ):
+    missing, covariance = try_out(blank, "Finish exercise 10.6."), FOUR["measurement_covariance"]
+    of_covariance = (budget.draw_range_budget, budget.tell_tilt_left)
+    of_covariance = [lambda it, show=show: show(covariance, it) for show in of_covariance]
+    for show in (budget.draw_budget, budget.larger_source, *of_covariance):
         assert repr(try_out(lambda show=show: show(missing))) == "Finish exercise 10.6."
 
 

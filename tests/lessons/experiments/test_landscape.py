@@ -7,6 +7,7 @@ from nao_course.exercises import try_out
 from nao_course.lessons.experiments import landscape
 from nao_course.lessons.experiments.reading import draw_agreement
 from nao_course.metrics import mean_interval
+from tests.lessons.every import blank
 from tests.lessons.experiments.own import table
 
 
@@ -26,15 +27,12 @@ def noise():
     return costs
 
 
-def test_the_landscape_says_the_best_and_how_many_cannot_be_told_from_it():
+def test_the_landscape_says_the_best_setting_and_the_payoff_searches_all_27():
     alt = landscape.draw_landscape(table(), interval).alt
     assert "yours from -1." in alt and "at 110, 4, 30" in alt and "nothing costs 2.00" in alt
     assert "Of 0 of the other 26" in alt
     tied = int(landscape.draw_landscape(noise(), interval).alt.split("Of ")[-1].split()[0])
     assert 10 < tied < 27
-
-
-def test_the_payoff_searches_all_27_settings():
     asked = []
 
     def grid_search(scenes, *values):
@@ -47,9 +45,6 @@ def test_the_payoff_searches_all_27_settings():
 
 def test_without_a_table_each_figure_says_what_the_search_said():
     """It said "AttributeError: 'Message' object has no attribute 'items'", and the like."""
-
-    def blank():
-        raise NotImplementedError
 
     missing = try_out(blank, "Finish exercise 10.3 to search.")
     for show in (

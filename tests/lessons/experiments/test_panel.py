@@ -12,12 +12,11 @@ def grid(scenes, betas, gaps, lengths):
 
 
 def panel(grid_search=grid, bootstrap_interval=lambda values, p, rng: (0.5, 2.5), find=None, scenes=SCENES):
-    return SettingPanel(
-        scenes, grid_search, bootstrap_interval, find or (lambda picture, *setting: [(5.0, 6.0)])
-    )
+    find = find or (lambda picture, *setting: [(5.0, 6.0)])
+    return SettingPanel(scenes, grid_search, bootstrap_interval, find)
 
 
-def test_every_slider_reaches_the_students_functions():
+def test_every_slider_reaches_the_students_functions_and_cost_and_interval_are_said():
     got = []
     shown = panel(
         grid_search=lambda scenes, *values: got.append(values) or grid(scenes, *values),
@@ -25,9 +24,6 @@ def test_every_slider_reaches_the_students_functions():
     )
     shown.set(beta=150, gap=3, length=25)
     assert got[-3:] == [([150], [3], [25]), (150, 3, 25), (150, 3, 25)]
-
-
-def test_it_says_cost_interval_and_the_pictures_that_cost_most():
     shown = panel()
     assert "Mean cost 1.50, 95 % from 0.50 to 2.50. Reporting nothing costs 1.00" in shown.summary()
     assert {"Picture 4 costs 3.00", "Picture 3 costs 2.00"} <= set(shown.shown.pictures)

@@ -19,15 +19,12 @@ def measured():
     return json.loads((PROJECT / "benchmarks" / "results" / "experiments.json").read_text(encoding="utf-8"))
 
 
-def test_thirteen_of_the_papers_means_cannot_come_from_thirty_pictures():
+def test_the_text_says_which_of_the_papers_means_are_possible_and_with_how_many_hits():
     cannot = reading.impossible_means(OWN["possible_hits"])
     assert len(cannot) == 13 == measured()["impossible"] and (130, 4, 30) in cannot
     assert "14 or more of 27 would pass in 3 of 100 random tables" in TEXT
     assert 0.28 < measured()["by chance possible"] < 0.38
     assert round(100 * binom.sf(13, 27, measured()["by chance possible"])) == 3
-
-
-def test_the_possible_means_that_need_many_hits_are_those_that_do_not_pass_with_four_thirds():
     hits = {key: OWN["possible_hits"](mean, 30, 240) for key, mean in reading.PAPER_MEANS.items()}
     many = sorted((int(each.min()), key) for key, each in hits.items() if len(each) and each.min() > 1)
     assert [least for least, _ in many] == [25, 115, 135, 225]
@@ -37,19 +34,12 @@ def test_the_possible_means_that_need_many_hits_are_those_that_do_not_pass_with_
     assert false == [25, 45, 88] and "at least 25, 45 and 88 false reports" in TEXT
     rest = {key for key, each in hits.items() if len(each)} - {key for _, key in many}
     assert rest == set(reading.ninetieths())
-
-
-def test_ten_of_the_papers_means_are_ninetieths_and_chance_hardly_ever_does_that():
-    """The lesson said "with four thirds it is 17 of 27", as if that were more: 17 are those that cannot be."""
     assert len(reading.ninetieths()) == 27 - measured()["impossible with four thirds"] == 10
     assert (120, 5, 40) in reading.ninetieths() and (110, 4, 40) not in reading.ninetieths()
     numbers = np.arange(2000, 10000) / 1000
     chance = np.mean([abs(90 * each - round(90 * each)) <= 0.045 + 1e-9 for each in numbers])
     assert "By chance only 9 % of all numbers" in TEXT and round(100 * chance) == 9
     assert "one of 14000 tables" in TEXT and round(1 / binom.sf(9, 27, chance), -3) == 14000
-
-
-def test_the_best_row_has_at_most_25_hits():
     alt = reading.draw_possible(OWN["possible_hits"]).alt
     assert "For 13 there is none" in alt and "For the best setting there are 9 from 1 to 25" in alt
     assert "possible with 1, 4, 7 hits and so on, up to 238" in TEXT
@@ -69,7 +59,7 @@ def test_what_is_recorded_beside_the_lesson_is_what_the_benchmark_found_in_the_p
     assert f"160 x 120, the same pixels: {best:.2f}" in alt and "Nothing costs 2.03" in alt
 
 
-def test_a_table_without_noise_agrees_with_itself_and_a_table_of_noise_does_not():
+def test_a_table_without_noise_agrees_with_itself_and_noise_does_not_and_equal_means_are_equal():
     alt = reading.draw_agreement(table()).alt
     assert alt.count("95 % from") == 5 and "The paper's with simulator, other rooms 0.51" in alt
     rng = np.random.default_rng(3)
@@ -80,10 +70,6 @@ def test_a_table_without_noise_agrees_with_itself_and_a_table_of_noise_does_not(
     noise = {key: rng.normal(0, 1, 30) for key in SETTINGS}
     middle, low, high = reading.agreement(noise, {})[reading.HALVES]
     assert -0.5 < middle < 0.5 and low < 0 < high
-
-
-def test_equal_means_are_equal_whatever_the_order_of_their_sum():
-    """The figure said -0.07 where the text, by means of four digits, said -0.06."""
     one = {key: np.array([0.1, 0.2, 0.3]) for key in SETTINGS}
     one[SETTINGS[0]] = np.array([0.3, 0.2, 0.1]) + 1e-12
     one[SETTINGS[1]] = np.array([5.0, 5.0, 5.0])

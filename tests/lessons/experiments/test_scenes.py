@@ -10,6 +10,7 @@ from nao_course.lessons.experiments import scenes
 from nao_course.lessons.experiments.paper_table import SETTINGS
 from nao_course.lessons.experiments.scenes import nothing_costs, real_scenes, search_scenes, simulated_scene
 from nao_course.sim.scenes import standard_scene
+from tests.lessons.every import blank
 
 PAIRS = [(np.zeros((4, 5, 3), np.uint8), np.zeros((k, 2))) for k in (2, 0, 3)]
 
@@ -43,12 +44,7 @@ def test_a_search_counts_each_scene_once_however_often_the_students_loops_go_thr
     assert table[120, 5, 40].tolist() == [122, 120, 123] and next(iter(table))[0] == 110
 
 
-def test_a_search_that_is_not_written_shows_no_bar_and_without_the_recordings_there_are_no_real_scenes(
-    monkeypatch,
-):
-    def blank(*given):
-        raise NotImplementedError
-
+def test_an_unwritten_search_shows_no_bar_and_without_the_recordings_there_are_no_real_scenes(monkeypatch):
     def nowhere(name):
         raise FileNotFoundError("not here")
 

@@ -1,4 +1,4 @@
-"""What lesson 10 adds to the robot: it searches while it drives, and looks with the best setting so far."""
+"""Lesson 10's challenge, and what it adds to the robot: it searches while it drives."""
 
 from types import SimpleNamespace
 
@@ -7,8 +7,33 @@ import pytest
 
 from nao_course.geometry import Pose
 from nao_course.lessons.experiments import stage
+from nao_course.lessons.experiments.challenge import Room, interval_score, judge
 from nao_course.lessons.experiments.paper_table import SETTINGS
 from tests.lessons.driven import pipeline, robot
+
+PICTURE = np.zeros((240, 320, 3), dtype=np.uint8)
+ROOM = Room("lab 1", ((PICTURE, np.array([(50.0, 90.0), (200.0, 80.0)])), (PICTURE, np.zeros((0, 2)))))
+NONE = np.zeros((0, 2))
+
+
+def test_the_cost_is_the_mean_and_a_quarter_of_the_width_of_a_right_interval_and_no_claim_is_refused():
+    scored = judge(([[(50, 90)], NONE], -1.0, 1.0), ROOM)
+    assert scored.columns["mean cost"] == pytest.approx((-1.333 + 1) / 2)
+    assert scored.score == pytest.approx(scored.columns["mean cost"] + 0.5)
+    assert scored.columns["inside"] == 100.0 and scored.columns["false"] == 0.0
+    for answer in ([NONE, NONE], ([NONE], 0.0, 1.0), ([NONE, NONE], 1.0, 0.0), ([NONE, 3], 0, 1)):
+        with pytest.raises((TypeError, ValueError)):
+            judge(answer, ROOM)
+
+
+def test_a_wrong_interval_costs_ten_times_its_distance_and_none_costs_less_than_that_of_80_percent(rng):
+    assert interval_score(0.0, 1.0, 1.5) == interval_score(0.0, 1.0, -0.5) == pytest.approx(6.0)
+    scored = judge(([NONE, NONE], 2.0, 3.0), ROOM)
+    assert scored.columns["mean cost"] == 1.0 and scored.score == pytest.approx(1.0 + (1.0 + 10.0) / 4)
+    values = rng.normal(0, 1, 4000)
+    means = [np.mean([interval_score(-half, half, value) for value in values]) for half in (1.28, 0.9, 1.8)]
+    assert min(means) == means[0]
+
 
 SMALL = np.zeros((12, 16, 3), np.uint8), np.zeros((0, 2))
 
@@ -41,11 +66,14 @@ def text_of(seen):
     return seen.overlays[stage.STAGE.name].text
 
 
-def test_it_looks_with_the_best_setting_and_says_on_how_many_scenes_it_is(live):
+def test_it_looks_with_the_best_setting_so_far_and_after_thirty_scenes_it_has_tried_all(live, monkeypatch):
     texts = [text_of(live.see()) for _ in range(3 * stage.EVERY + 1)]
     assert texts[0] == "1 corner with 130, 7, 50, your best on 1 scene"
     assert texts[-2:] == [texts[0], "1 corner with 130, 7, 50, your best on 2 scenes"]
     assert live.asked[-2:] == [130, (7, 50)]
+    monkeypatch.setattr(stage, "EVERY", 1)
+    texts = [text_of(live.see()) for _ in range(90)]
+    assert texts[-1].endswith("on 30 scenes") and texts[-1] == texts[-2]
 
 
 def test_no_picture_but_the_first_waits_for_more_than_one_threshold_on_one_scene(live):
@@ -54,12 +82,6 @@ def test_no_picture_but_the_first_waits_for_more_than_one_threshold_on_one_scene
         live.asked.clear()
         live.see()
         assert sum(isinstance(each, list) for each in live.asked) <= 1
-
-
-def test_after_thirty_scenes_it_has_tried_all(live, monkeypatch):
-    monkeypatch.setattr(stage, "EVERY", 1)
-    texts = [text_of(live.see()) for _ in range(90)]
-    assert texts[-1].endswith("on 30 scenes") and texts[-1] == texts[-2]
 
 
 def test_a_search_that_failed_once_is_tried_again(live):

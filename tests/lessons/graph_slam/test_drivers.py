@@ -21,9 +21,8 @@ LOOSE = {"named": [2, 5], "said": ""}
 
 def gathered(function):
     case = Case((np.eye(2), np.ones(2)))
-    return judging.answer(
-        SolvedOrNamed(), lambda each: call(function, each, "solution_or_unheld"), case
-    ).value
+    name = "solution_or_unheld"
+    return judging.answer(SolvedOrNamed(), lambda each: call(function, each, name), case).value
 
 
 def test_an_answer_is_handed_on_and_an_error_gives_its_numbers():
@@ -38,7 +37,7 @@ def test_an_answer_is_handed_on_and_an_error_gives_its_numbers():
     assert numbers_in("nothing holds 3, 4 and 12.") == [3, 4, 12]
 
 
-@pytest.mark.parametrize("sent", [LOOSE, ("returned", LOOSE), ("raised", [2, 5]), (), None], ids=repr)
+@pytest.mark.parametrize("sent", [LOOSE, ("returned", LOOSE), None], ids=repr)
 def test_a_dict_that_is_returned_is_no_error_that_was_raised(sent):
     got = SolvedOrNamed().gather(Case(()), [sent])
     assert not SolvedOrNamed().compare(LOOSE, got)
@@ -49,7 +48,7 @@ def test_a_dict_that_is_returned_is_no_error_that_was_raised(sent):
     ("expected", "got", "said"),
     [
         (LOOSE, {"named": [2, 5], "said": "any words, 2 and 5"}, ""),
-        (LOOSE, {"named": [2], "said": "only 2"}, "names 1 variable, but nothing holds 2 of them: 'only 2'"),
+        (LOOSE, {"named": [2], "said": "only 2"}, "names 1 variable, but nothing holds 2"),
         (LOOSE, {"named": [1, 2], "said": "1, 2"}, "names 2 variables, but nothing holds other ones"),
         (LOOSE, np.ones(6), "should raise a ValueError"),
         (np.ones(2), {"named": [], "said": "Singular matrix"}, "raises ValueError: 'Singular matrix'"),
@@ -72,12 +71,14 @@ def star(size, centre):
     return matrix.tocsc()
 
 
-def test_the_entries_of_a_factor_are_counted_up_to_a_limit(rng):
+def test_the_entries_of_a_factor_are_counted_up_to_a_limit_and_scipys_solvers_are_as_before_afterwards(rng):
     assert fills_up(star(SMALL, 0)) and not fills_up(star(SMALL, SMALL - 1))
     dense = 2 * MOST_FILL + 4
-    assert not fills_up(scipy.sparse.eye_array(dense)) and not fills_up(star(dense, 0)), (
-        "half of it is below the limit"
-    )
+    assert not fills_up(scipy.sparse.eye_array(dense)) and not fills_up(star(dense, 0))
+    before = scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve
+    with pytest.raises(KeyError), watched_orders():
+        raise KeyError
+    assert (scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve) == before
 
 
 @pytest.mark.parametrize("solver", ["splu", "spsolve"])
@@ -91,12 +92,10 @@ def test_a_poor_order_is_stopped_at_once_and_a_good_one_is_not(solver):
     assert solution_or_unheld(solve, star(size, 0), np.ones(size)) == ("poor order", None)
     kind, x = solution_or_unheld(solve, star(size, size - 1), np.ones(size))
     assert kind == "returned" and star(size, size - 1) @ x == pytest.approx(np.ones(size))
-    assert solution_or_unheld(solve, star(100, 0), np.ones(100))[0] == "returned", (
-        "a small system may fill up"
-    )
+    assert solution_or_unheld(solve, star(100, 0), np.ones(100))[0] == "returned"
 
 
-def test_a_stopped_order_is_wrong_also_if_the_student_catches_its_error():
+def test_a_stopped_order_is_wrong_also_if_its_error_is_caught_and_messages_that_were_cut_off_are_alike():
     def catches(omega, xi):
         try:
             return scipy.sparse.linalg.splu(omega, permc_spec="NATURAL").solve(xi)
@@ -110,17 +109,6 @@ def test_a_stopped_order_is_wrong_also_if_the_student_catches_its_error():
         verdict = comparison.compare(expected, got)
         assert not verdict and f"more than {MOST_FILL} times as many entries" in verdict.text
     assert comparison.alike(got, dict(got)) and not comparison.alike(np.ones(2), got)
-
-
-def test_messages_that_were_cut_off_are_alike_if_they_begin_with_the_same_numbers():
-    all_of_them, cut, other = (
-        {"named": list(range(*part)), "said": ""} for part in ((2000,), (1800,), (1, 2000))
-    )
+    parts = (range(2000), range(1800), range(1, 2000))
+    all_of_them, cut, other = ({"named": list(part), "said": ""} for part in parts)
     assert SolvedOrNamed().alike(all_of_them, cut) and not SolvedOrNamed().alike(all_of_them, other)
-
-
-def test_the_solvers_of_scipy_are_as_before_afterwards():
-    before = scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve
-    with pytest.raises(KeyError), watched_orders():
-        raise KeyError
-    assert (scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve) == before

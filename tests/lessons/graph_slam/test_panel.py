@@ -20,7 +20,7 @@ def panel(**changed):
     return GraphPanel(**{**functions, **changed})
 
 
-def test_a_cell_has_the_colour_of_its_sign_and_the_newest_ones_have_a_frame():
+def test_a_cell_has_the_colour_of_its_sign_and_the_edge_nearest_to_a_click_is_selected():
     painted = paint_matrix(np.array([[2.0, -1.0], [-1.0, 0.0]]), 1, (0,))
     middle = CELL // 2
     for place, colour in (
@@ -30,6 +30,10 @@ def test_a_cell_has_the_colour_of_its_sign_and_the_newest_ones_have_a_frame():
     ):
         assert "#{:02x}{:02x}{:02x}".format(*painted[place]) == colour
     assert (painted[2, 2] != painted[middle, middle]).any()
+    ends = np.array([[[0.0, 0.0], [100.0, 0.0]], [[0.0, 50.0], [100.0, 50.0]], [[30.0, 20.0], [30.0, 20.0]]])
+    assert clicked(ends, (60, 4)) == 0 and clicked(ends, (60, 46)) == 1 and clicked(ends, (32, 21)) == 2
+    assert clicked(ends, (100 + int(NEAR) + 1, 0)) is None and clicked(ends[:0], (0, 0)) is None
+    assert clicked(ends * np.nan, (0, 0)) is None, "an edge without estimates cannot be clicked"
 
 
 def test_each_constraint_fills_the_matrix_and_moves_the_map_of_which_nothing_of_the_last_one_is_kept():
@@ -49,13 +53,6 @@ def test_each_constraint_fills_the_matrix_and_moves_the_map_of_which_nothing_of_
     assert "No landmark." in shown.summary()
     shown.set(count=25, order="odometry first")
     assert "Map off by 53 cm." in shown.summary()
-
-
-def test_the_edge_nearest_to_a_click_is_selected():
-    ends = np.array([[[0.0, 0.0], [100.0, 0.0]], [[0.0, 50.0], [100.0, 50.0]], [[30.0, 20.0], [30.0, 20.0]]])
-    assert clicked(ends, (60, 4)) == 0 and clicked(ends, (60, 46)) == 1 and clicked(ends, (32, 21)) == 2
-    assert clicked(ends, (100 + int(NEAR) + 1, 0)) is None and clicked(ends[:0], (0, 0)) is None
-    assert clicked(ends * np.nan, (0, 0)) is None, "an edge without estimates cannot be clicked"
 
 
 def test_a_clicked_edge_shows_the_block_that_it_adds_to_omega():
@@ -90,10 +87,8 @@ def test_the_error_of_solve_without_a_start_is_shown_and_an_omega_with_nan_is_re
     ("answer", "came"),
     [
         (None, "NoneType"),
-        (lambda xi: xi[:, None], "shape (11, 1)"),
         (lambda xi: xi[1:], "shape (10,)"),
         (lambda xi: xi * np.nan, "NaN or infinity among them"),
-        ("words", "str"),
     ],
 )
 def test_an_answer_that_is_not_a_solution_is_reported_and_not_quoted_as_an_error_of_solve(answer, came):

@@ -1,13 +1,47 @@
-"""What lesson 08 adds to the robot: a map of the drive, by two linear graphs."""
+"""Lesson 08's challenge, and what it adds to the robot: a map of the drive, by two linear graphs."""
 
 import numpy as np
 import pytest
 
+from benchmarks.challenges.measurement_choice import CHOICE_ENTRIES
+from nao_course.challenges.running import run
 from nao_course.geometry import Pose
+from nao_course.lessons.graph_slam.challenge import CHALLENGE, judge, make_graph
 from nao_course.lessons.graph_slam.stage import STAGE
 from nao_course.sim import OdometryNoise, SensorNoise, SimulatedNao, TorsoTilt, Truth
 from tests.lessons.driven import pipeline, robot
 from tests.lessons.every import own
+
+GRAPH = make_graph(3)
+
+
+def after(graph, chosen):
+    pose, landmark, epsilon = graph.candidates[chosen]
+    row = np.zeros(len(graph.xi))
+    row[pose], row[landmark] = -1.0, 1.0
+    return np.linalg.inv(graph.omega + np.outer(row, row) / epsilon)
+
+
+def test_a_candidates_gain_is_the_fall_of_the_sum_of_variances_and_the_best_choice_scores_one():
+    before = np.trace(np.linalg.inv(GRAPH.omega))
+    gains = [before - np.trace(after(GRAPH, chosen)) for chosen in range(len(GRAPH.candidates))]
+    assert GRAPH.gains() == pytest.approx(np.array(gains))
+    assert GRAPH.worst_after(7) == pytest.approx(np.sqrt(np.diag(after(GRAPH, 7)).max()))
+    best = int(np.argmax(GRAPH.gains()))
+    assert judge(best, GRAPH).score == judge(np.int64(best), GRAPH).score == 1.0
+    none = judge(-1, GRAPH)
+    assert none.score == 0.0 and none.columns["better candidates"] == len(GRAPH.candidates)
+
+
+def test_graphs_differ_and_can_be_made_again_and_rules_by_one_quantity_fail():
+    graphs = [make_graph(seed) for seed in CHALLENGE.seeds]
+    assert len({graph.omega.tobytes() for graph in graphs}) == len(graphs) == 40
+    assert all(np.linalg.eigvalsh(graph.omega)[0] > 0 for graph in graphs)
+    assert (make_graph(3).omega == GRAPH.omega).all() and make_graph(3).candidates == GRAPH.candidates
+    *naive, best = (run(CHALLENGE, entry) for entry in CHOICE_ENTRIES.values())
+    assert max(each.score for each in naive) < 0.5 and best.score == pytest.approx(1.0)
+    assert "the best candidate in 40 of them" in CHALLENGE.figure(best).alt
+
 
 START, MARKS = Pose(0.4, 0.3, -0.2), [each for each in SimulatedNao().field.landmarks if each.kind != "cross"]
 PERFECT = {
@@ -53,14 +87,11 @@ def test_without_errors_the_map_has_each_landmark_in_its_place_once_also_after_a
     assert failing or found.text.startswith(f"{len(apart)} landmarks from 7 poses, ")
 
 
-def test_a_frame_from_the_same_place_adds_nothing():
+def test_a_frame_from_the_same_place_adds_nothing_and_measuring_does_not_change_how_the_robot_slips():
     nao = robot(START)
     again = pipeline(STAGE.name, nao)
     texts = {again.process(nao.take_picture("bottom")).overlays[STAGE.name].text for _ in range(3)}
     assert len(texts) == 1 and "from 1 pose, " in texts.pop()
-
-
-def test_measuring_does_not_change_how_the_robot_slips():
     blind = robot(START)
     blind.take_picture("bottom")
     for _ in range(6):
@@ -83,16 +114,13 @@ def test_a_metre_ahead_makes_a_map_and_two_turns_on_the_spot_a_second_one_as_the
     assert len(seen.estimate.landmarks) >= 15, "the half field has ten landmarks"
 
 
-def test_the_map_stands_in_the_frame_of_the_start_and_a_landmark_is_within_its_ellipse():
+def test_the_map_stands_in_the_frame_of_the_start_within_its_ellipses_and_nonsense_is_said_in_words():
     _, seen = drive()
     found = seen.estimate
     off, spread = away(found.landmarks).min(axis=1), np.sqrt(found.landmark_covariances[:, 0, 0])
     assert off.max() < 0.3 and (off < 4 * spread + 0.05).mean() > 0.7
     assert (spread < 0.3).all(), "what nobody knows of the start is not the map's"
     assert not seen.overlays[STAGE.name].points.size, "stars are of other lessons"
-
-
-def test_nonsense_is_said_in_words():
     for wrong in (lambda omega, xi: None, lambda omega, xi: np.zeros((2, 2)), lambda omega, xi: "x"):
         _, seen = drive(steps=0, changed={"solve": wrong})
         (said,) = seen.complaints

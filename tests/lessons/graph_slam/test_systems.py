@@ -24,16 +24,13 @@ def link(omega, xi, first, second, value, epsilon=1.0):
 BUILDERS = systems.Builders(start, link, link)
 
 
-def test_only_variables_that_something_is_known_of_are_solved_for():
+def test_only_known_variables_are_solved_for_and_the_error_of_a_map_is_that_of_its_landmarks():
     used = DRIVE.constraints[:6]
     positions, omega = systems.solve_axes(used, DRIVE.size, BUILDERS, np.linalg.solve)
     known = systems.variables_in(used)
     assert np.isfinite(positions[known]).all() and np.isnan(np.delete(positions, known, axis=0)).all()
     assert omega.shape == (DRIVE.size, DRIVE.size)
     assert np.isnan(systems.solve_axes((), DRIVE.size, BUILDERS, np.linalg.solve)[0]).all()
-
-
-def test_the_error_of_a_map_is_that_of_its_landmarks():
     moved = DRIVE.truth + (0.3, 0.4)
     assert systems.map_error(DRIVE, moved) == pytest.approx(0.5)
     moved[-1] = np.nan

@@ -44,21 +44,15 @@ def test_every_slider_reaches_its_function():
     assert "2 segments, 0 corners" in shown.summary()
 
 
-def test_a_ring_is_drawn_at_each_corner_found():
+def test_it_says_what_was_found_and_what_it_costs_and_draws_segments_and_rings_on_a_copy():
     found, none = panel(), panel(find_corners=lambda *given: np.zeros((0, 2)))
     rings = found.shown.pictures["What you find"] != none.shown.pictures["What you find"]
     rows, columns = np.nonzero(rings.any(axis=2))
     assert rows.max() <= 2 * (6 + 10) and columns.max() <= 2 * (5 + 10) and len(rows) > 80
-
-
-def test_it_says_what_was_found_and_what_it_costs():
     shown = panel()
     assert "2 segments, 1 corner: 1 of 1 true corners found, 0 false, cost -1.33." in shown.summary()
     shown.set(picture="b")
     assert "0 of 1 true corners found, 1 false, cost 6.00." in shown.summary()
-
-
-def test_segments_are_drawn_and_corners_have_rings_on_a_copy():
     shown = picture((20, 30)).pixels
     found = mark_found(shown, np.zeros((0, 4)), [(40, 20)])
     plain = enlarged(shown, 2)

@@ -5,8 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from nao_course.colours import GREEN, YELLOW, mean_lightness
-from nao_course.exercises import load_definitions
 from nao_course.lessons.hough_corners import results
 from nao_course.lessons.hough_corners.challenge import CHALLENGE
 from nao_course.lessons.hough_corners.labels import DISTANCES, recorded_labels
@@ -22,36 +20,21 @@ from nao_course.lessons.hough_corners.scenes import (
     tuning_pictures,
 )
 from nao_course.metrics import PointMatch, corner_cost, mean_interval, total
-from tests.lessons.every import quotes
+from tests.lessons.every import label, own, quotes, text
 from tests.paths import PROJECT
 
-COLOURS = load_definitions(PROJECT / "solutions" / "01_hsl_filtering.ipynb")
-OWN = load_definitions(PROJECT / "solutions" / "03_hough_corners.ipynb")
-TEXT = (PROJECT / "solutions" / "03_hough_corners.md").read_text(encoding="utf-8")
-
-
-def label(picture):
-    return COLOURS["color_labels"](
-        picture, GREEN, YELLOW, COLOURS["white_threshold"](mean_lightness(picture))
-    )
+OWN, TEXT = own("03"), text("03")
 
 
 def matched(hits, false, missed):
     return PointMatch(np.arange(hits + missed) < hits, false)
 
 
-def test_costs_are_said_with_their_counts_and_held_against_the_first():
-    alt = results.draw_matches(
-        {"nothing": [matched(0, 0, 2)] * 4, "other": [matched(1, 0, 1), matched(1, 1, 1)] * 2}
-    ).alt
+def test_costs_are_said_with_their_counts_and_held_against_the_first_and_a_funnel_says_every_count():
+    other = [matched(1, 0, 1), matched(1, 1, 1)] * 2
+    alt = results.draw_matches({"nothing": [matched(0, 0, 2)] * 4, "other": other}).alt
     assert "nothing: 0 found, 0 false, 8 missed, mean cost 2.00 (95 % from 2.00 to 2.00)" in alt
-    assert (
-        "other: 4 found, 2 false, 4 missed, mean cost 2.17" in alt
-        and "difference from nothing 0.17 (95 % from" in alt
-    )
-
-
-def test_a_funnel_says_every_count():
+    assert "other: 4 found, 2 false, 4 missed, mean cost 2.17" in alt and "from nothing 0.17 (95 %" in alt
     counts = dict(zip(STEPS, (10, 9, 7, 7, 2), strict=True))
     alt = results.draw_counts({"here": counts, "there": dict.fromkeys(STEPS, 0)}).alt
     assert "here: in the picture 10, white within 3 px 9" in alt and "two segments, not parallel 2" in alt
@@ -64,20 +47,15 @@ def test_without_the_recordings_the_solutions_counts_stand_in_their_place(monkey
     assert f"a real NAO, 8 pictures: in the picture {results.REAL[STEPS[0]]}" in alt
 
 
-def test_the_distance_at_which_half_is_left_lies_between_the_pictures():
+def test_the_goal_line_ends_where_the_equation_sees_it_and_half_of_it_is_left_between_the_pictures():
     assert results.last_seen([1, 2, 3], [1.0, 1.0, 0.0]) == 2.5
     assert results.last_seen([1, 2, 3], [1.0, 0.75, 0.25]) == 2.5
     assert np.isnan(results.last_seen([1, 2], [1.0, 1.0])) and np.isnan(results.last_seen([1, 2], [0.0, 0.0]))
-
-
-def test_the_goal_line_ends_where_the_equation_sees_it():
     distances = np.arange(3.0, 3.61, 0.1)
     left = results.goal_line_left(distances, label, OWN["erase_background"], runs=(7,))
     assert results.last_seen(distances, left[7]) == pytest.approx(3.3, abs=0.1)
     assert "m measured, 3.3 m by equation 3.2" in results.draw_goal_line(distances, left).alt
 
-
-def test_the_walk_from_the_goal_line_has_recorded_labels_for_its_pictures():
     def keep(labels, run):
         return labels
 
@@ -156,9 +134,8 @@ def matched_in(pictures, *detectors):
 
 @pytest.mark.slow
 def test_in_other_rooms_only_both_repairs_are_better_than_nothing_and_the_text_says_by_how_much():
-    (first, edges, centres), costs = matched_in(
-        other_rooms(), OWN["find_corners"], with_a_larger_gap, with_centre_lines
-    )
+    detectors = (OWN["find_corners"], with_a_larger_gap, with_centre_lines)
+    (first, edges, centres), costs = matched_in(other_rooms(), *detectors)
     nothing = np.array([len(picture.truth.corners) for picture in other_rooms()])
     intervals = [mean_interval(each - nothing) for each in costs]
     assert [high < 0 for _, high in intervals] == [False, False, True]
@@ -194,10 +171,8 @@ def test_in_150_pictures_both_repairs_are_better_than_none_and_the_text_says_by_
 def test_the_false_corners_of_the_detector_are_in_the_two_pictures_that_the_text_names():
     found = match_pictures(lambda picture: OWN["find_corners"](label(picture)), tuning_pictures())
     assert {number: match.false for number, match in enumerate(found) if match.false} == {27: 2, 8: 1}
-    assert (
-        "(17, 13, 10, 27, 8), start=1" in TEXT
-        and "All three of your detector's are in pictures 4 and 5" in TEXT
-    )
+    assert "(17, 13, 10, 27, 8), start=1" in TEXT
+    assert "All three of your detector's are in pictures 4 and 5" in TEXT
 
 
 @pytest.mark.slow
@@ -222,24 +197,12 @@ def test_the_cost_depends_little_on_the_width_as_the_text_says():
     quotes(TEXT, "12 to 24 pixels", f"{min(costs):.2f} and {max(costs):.2f}")
 
 
-def test_far_lines_are_merged_with_each_other_as_the_text_says():
+def test_far_lines_are_merged_and_the_running_picture_gets_fewer_segments_as_the_text_says():
     far = list(three_places().values())[2]
     white = OWN["line_picture"](OWN["erase_background"](label(far.pixels)))
     segments = OWN["hough_segments"](white, 10)
     wide, narrow = (len(OWN["merge_edges"](segments, width)) for width in (20.0, 4.0))
     quotes(TEXT, f"{len(segments)} segments into {wide} centre lines", f"only {narrow}")
-
-
-@pytest.mark.slow
-def test_it_is_so_in_the_pictures_of_the_challenge_too():
-    unseen = [CHALLENGE.make(number) for number in CHALLENGE.seeds]
-    match, cost, _, (low, high) = against_nothing(unseen, with_centre_lines)
-    counts = f"{match.hits} corners with {match.false} false"
-    quotes(TEXT, counts, f"costs {cost:.2f}", f"{low:.2f} to {high:.2f}")
-    assert high < 0
-
-
-def test_the_running_picture_gets_fewer_segments_as_the_text_says():
     place = running_picture()
     white = OWN["line_picture"](label(place.pixels))
     kept = OWN["line_picture"](OWN["erase_background"](label(place.pixels)))
@@ -250,3 +213,12 @@ def test_the_running_picture_gets_fewer_segments_as_the_text_says():
     found = OWN["find_corners"](label(place.pixels))
     near = found[np.linalg.norm(found - place.truth.corners[2], axis=1) < 10]
     assert len(found) == 4 and f"{np.hypot(*(near[1] - near[0])):.0f} pixels apart" in TEXT
+
+
+@pytest.mark.slow
+def test_it_is_so_in_the_pictures_of_the_challenge_too():
+    unseen = [CHALLENGE.make(number) for number in CHALLENGE.seeds]
+    match, cost, _, (low, high) = against_nothing(unseen, with_centre_lines)
+    counts = f"{match.hits} corners with {match.false} false"
+    quotes(TEXT, counts, f"costs {cost:.2f}", f"{low:.2f} to {high:.2f}")
+    assert high < 0

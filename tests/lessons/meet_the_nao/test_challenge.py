@@ -30,16 +30,11 @@ def test_a_gate_is_passed_between_its_poles_from_either_side_and_nowhere_else(nu
     assert np.hypot(*(gate.poles[1] - gate.poles[0])) == pytest.approx(WIDTH)
     for step in (through(gate), through(gate)[::-1], through(gate, shift=0.24), through(gate, shift=-0.24)):
         assert passed(step)[number]
-    for path in (
-        through(gate, shift=0.26),
-        through(gate, shift=-0.26),
-        through(gate)[:1],
-        through(gate) + [9, 0],
-    ):
+    for path in (through(gate, shift=0.26), through(gate, shift=-0.26), through(gate)[:1]):
         assert not passed(path)[number]
 
 
-def test_gates_stand_apart_on_the_half_field_and_a_path_that_turns_on_a_gates_line_passes_it_once():
+def test_gates_stand_apart_and_each_robot_slips_in_its_own_way():
     gate = GATES[0]
     path = [(0.0, 0.0), (gate.x, gate.y), (gate.x + 0.5, gate.y + 0.1)]
     assert passed(path).tolist() == [True, *[False] * 7]
@@ -48,9 +43,6 @@ def test_gates_stand_apart_on_the_half_field_and_a_path_that_turns_on_a_gates_li
     assert (np.abs(poles - [1.5, 0.0]) < [1.5, 2.0]).all()
     apart = np.hypot(*(poles[:, None] - poles[None]).transpose(2, 0, 1)) + 9 * np.eye(len(poles))
     assert apart.min() > 0.25 and Gate(0.0, 0.0, 0.0).poles[1].tolist() == [0.0, WIDTH / 2]
-
-
-def test_each_robot_slips_in_its_own_way_each_time_and_without_errors_it_goes_where_it_is_commanded():
     plan = [Motion(0.5, 0.7), Motion(-0.2, -1.0), Motion(1.0, 3.0)]
     exact = repeat_drive(plan, 1, np.random.default_rng(0), OdometryNoise(0, 0, 0, 0))[0]
     assert without_errors(plan) == pytest.approx(exact)

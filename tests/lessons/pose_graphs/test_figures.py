@@ -14,10 +14,14 @@ from tests.lessons.pose_graphs.own import OWN
 SOLVE, LINEARIZE = OWN["gauss_newton"], OWN["linearize"]
 
 
-def test_the_payoff_says_how_the_building_relaxes():
+def test_the_payoff_says_how_the_building_relaxes_and_the_whole_map_moves_freely_in_three_ways():
     said = pose_graphs.draw_relaxing(SOLVE).alt
     assert "off by 6.67 m" in said and "chi2 8,766 and off by 1.32 m" in said
     assert "off by 0.59 m" in said and "chi2 408.7 and off by 0.65 m" in said
+    assert pose_graphs.count_of_free_moves(LINEARIZE) == 3
+    said = pose_graphs.draw_free_moves(LINEARIZE).alt
+    assert said.count("H times it is 0") == 3 and "a map of 9 poses" in said
+    assert "3 of 27 eigenvalues are zero" in said
 
 
 def test_a_step_predicts_too_low_a_chi2_and_climbs_from_63_degrees_on():
@@ -35,16 +39,13 @@ def test_a_step_predicts_too_low_a_chi2_and_climbs_from_63_degrees_on():
     assert ratio(58) < 1 < ratio(59.5)
 
 
-def test_the_data_say_in_which_frame_the_information_is():
+def test_the_data_say_in_which_frame_the_information_is_and_headings_do_harm_and_positions_do_not():
     residuals, measured = missed_steps(OWN["pose_residual"], range(1, 11))
     corners = np.abs(np.sin(measured[:, 2])) > 0.5
     right, wrong = (scaled(residuals, measured, frame)[corners].std(axis=0) for frame in FRAMES)
     assert right == pytest.approx([1, 1], abs=0.1) and wrong == pytest.approx([0.6, 1.67], abs=0.1)
     said = pose_graphs.draw_information_frames(OWN["pose_residual"]).alt
     assert "of corners 1.00 and 1.02" in said and "of corners 0.61 and 1.66" in said
-
-
-def test_positions_do_no_harm_and_headings_do():
     found = pose_graphs.arrivals(SOLVE, positions=(1000.0,), headings=(20.0, 70.0), tries=4)
     assert found["positions"] == pytest.approx(1.0) and found["headings"].tolist() == [1.0, 0.0]
     parts = {"positions": np.ones(len(POSITIONS)), "headings": np.linspace(1, 0, len(HEADINGS))}
@@ -53,31 +54,12 @@ def test_positions_do_no_harm_and_headings_do():
     assert np.isnan(pose_graphs.half_of_them((10.0, 20.0), np.array([0.8, 0.6])))
 
 
-def test_the_whole_map_moves_freely_in_three_ways():
-    assert pose_graphs.count_of_free_moves(LINEARIZE) == 3
-    said = pose_graphs.draw_free_moves(LINEARIZE).alt
-    assert said.count("H times it is 0") == 3 and "a map of 9 poses" in said
-    assert "3 of 27 eigenvalues are zero" in said
-
-
-def test_the_order_decides_what_the_factor_adds():
+def test_the_order_decides_what_the_factor_adds_and_blocks_are_painted_by_what_they_link():
     world = pose_graphs.building(5)
     H = LINEARIZE(world.graph, world.truth)[0].tocsc()[3:, 3:]
     natural, minimum = (factor_of(H, order).L.nnz for order in ("NATURAL", "MMD_AT_PLUS_A"))
     assert 100 * H.nnz / H.shape[0] ** 2 == pytest.approx(0.9, abs=0.05)
     assert scipy.sparse.tril(H).nnz == 7137 and natural == 120_000 and round(minimum, -3) == 14_000
-
-
-def test_closures_shrink_the_ellipses_ninefold_and_a_false_one_bends_the_map():
-    drawing = pose_graphs.draw_uncertainty(LINEARIZE, SOLVE, OWN["marginal_covariances"])
-    assert "0.39 to 5.10 m" in drawing.alt and "0.08 to 0.60 m" in drawing.alt
-    assert len({(*ax.get_xlim(), *ax.get_ylim()) for ax in drawing.figure.axes}) == 1
-    assert pose_graphs.draw_false_closure(SOLVE).alt.endswith(
-        "off by 0.65 m; one false closure added, off by 3.41 m."
-    )
-
-
-def test_blocks_are_painted_by_what_they_link():
     H = np.zeros((8, 8))
     H[:3, :3] = H[3:6, 3:6] = H[6:, 6:] = H[0, 3] = H[3, 0] = H[1, 6] = H[6, 1] = 1
     cells = block_picture(H, 2, 30)[6::10, 6::10]
@@ -85,14 +67,18 @@ def test_blocks_are_painted_by_what_they_link():
     assert (cells[0, 2] == (161, 69, 102)).all() and (cells[1, 2] == 255).all()
 
 
+def test_closures_shrink_the_ellipses_ninefold_and_a_false_one_bends_the_map():
+    drawing = pose_graphs.draw_uncertainty(LINEARIZE, SOLVE, OWN["marginal_covariances"])
+    assert "0.39 to 5.10 m" in drawing.alt and "0.08 to 0.60 m" in drawing.alt
+    assert len({(*ax.get_xlim(), *ax.get_ylim()) for ax in drawing.figure.axes}) == 1
+    assert "one false closure added, off by 3.41 m." in pose_graphs.draw_false_closure(SOLVE).alt
+
+
 @pytest.mark.slow
-def test_a_real_building_is_drawn_from_a_file_of_ones_own_and_where_there_is_none_the_figure_says_so(
-    tmp_path, monkeypatch
-):
+def test_a_real_building_is_drawn_from_ones_own_file_and_if_there_is_none_it_is_said(tmp_path, monkeypatch):
     world = pose_graphs.building(3, 60)
-    drawn = pose_graphs.draw_real_building(
-        SOLVE, write_g2o(world.graph, world.odometry, tmp_path / "own.g2o")
-    )
+    path = write_g2o(world.graph, world.odometry, tmp_path / "own.g2o")
+    drawn = pose_graphs.draw_real_building(SOLVE, path)
     assert "60 poses, on its way from odometry" in drawn.alt
     assert "own.g2o" in pose_graphs.draw_real_building(SOLVE, tmp_path / "not" / "own.g2o")
     monkeypatch.setenv("NAO_COURSE_DATA", "none")

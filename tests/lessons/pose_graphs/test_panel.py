@@ -9,15 +9,11 @@ from nao_course.datasets import write_g2o
 from nao_course.datasets.files import DATA_VARIABLE
 from nao_course.lessons.pose_graphs import EdgePanel, RelaxPanel
 from nao_course.lessons.pose_graphs.figures import INTEL
+from nao_course.lessons.pose_graphs.panels import relaxing
 from nao_course.lessons.pose_graphs.panels.edges import first_edges, rows_of
-from nao_course.lessons.pose_graphs.panels.relaxing import (
-    REAL,
-    draw_map,
-    initial_estimate,
-    world_named,
-    world_names,
-)
+from nao_course.lessons.pose_graphs.panels.relaxing import REAL, draw_map, world_named
 from nao_course.lessons.pose_graphs.worlds import building, small_world
+from tests.lessons.every import blank
 from tests.lessons.pose_graphs.own import OWN
 
 
@@ -26,11 +22,7 @@ def panel(**changed):
     return RelaxPanel(**{**functions, **changed})
 
 
-def blank(*given):
-    raise NotImplementedError
-
-
-def test_a_step_relaxes_the_graph_and_a_step_back_unrelaxes_it():
+def test_a_step_relaxes_the_graph_and_a_step_back_unrelaxes_it_and_what_can_be_found_is_there():
     shown = panel()
     assert "off by 2.62 m." in shown.summary() and "H has 720 rows" in shown.summary()
     shown.set(step=3)
@@ -39,9 +31,6 @@ def test_a_step_relaxes_the_graph_and_a_step_back_unrelaxes_it():
     assert "Step 3: chi2" in after and "off by 2.62 m." not in after and "Step 2: chi2" in shown.summary()
     shown.reset()
     assert "odometry, chi2 123,111, off by 2.62 m." in shown.summary()
-
-
-def test_what_can_be_found_is_there():
     shown = panel()
     shown.set(guess="each heading off at random, σ 60°", step=10)
     stuck = shown.summary()
@@ -83,7 +72,7 @@ def test_functions_that_are_not_finished_are_replaced_by_given_ones_and_the_stud
 @pytest.fixture
 def recorded_building(tmp_path, monkeypatch):
     monkeypatch.setenv(DATA_VARIABLE, str(tmp_path))
-    assert REAL not in world_names()
+    assert REAL not in relaxing.world_names()
     world, file = building(5, 60), tmp_path / INTEL
     file.parent.mkdir(parents=True)
     write_g2o(world.graph, world.odometry, file)
@@ -106,10 +95,10 @@ def test_a_recorded_building_can_be_chosen_where_the_recordings_are():
 
 def test_each_heading_of_the_initial_estimate_is_off_by_another_angle_and_the_map_moves_in_still_axes():
     world, limits = world_named("a building"), set()
-    states = initial_estimate(world, "each heading off at random, σ 20°")
+    states = relaxing.initial_estimate(world, "each heading off at random, σ 20°")
     away = np.degrees(states - world.truth)[5::3]
     assert 17 < away.std() < 23 and abs(away.mean()) < 4
-    scattered = initial_estimate(world, "each position off at random, σ 100 m")
+    scattered = relaxing.initial_estimate(world, "each position off at random, σ 100 m")
     for step in (0, 1, 3):
         states = OWN["gauss_newton"](world.graph, scattered, step)[0]
         [ax] = draw_map(world, states, SimpleNamespace(world="a building", step=step)).figure.axes

@@ -2,10 +2,9 @@
 
 import pytest
 
-from nao_course.instructor.authoring.plans import load_solution
-from tests.paths import SOLUTIONS
+from tests.lessons import every
 
 
 @pytest.fixture(scope="session")
 def own():
-    return load_solution(SOLUTIONS / "11_slam_on_the_field.ipynb")
+    return every.own("11")

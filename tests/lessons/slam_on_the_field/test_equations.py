@@ -9,7 +9,7 @@ from nao_course.field_slam.compass import wrap_quarter
 from nao_course.field_slam.observation import CAMERA_HEIGHT, as_observation, picture_covariance, tilt_jacobian
 from nao_course.geometry import Pose, wrap_angle
 from nao_course.slam import Measurement, range_and_bearing
-from tests.paths import SOLUTIONS
+from tests.lessons.every import text
 
 
 @pytest.mark.asserts("eq-11-1")
@@ -20,29 +20,22 @@ def test_a_small_tilt_about_the_feet_changes_a_range_by_its_square_over_the_heig
         assert np.isclose(tilt_jacobian(np.array([[b, r]]))[1, 0], r**2 / CAMERA_HEIGHT * np.cos(b))
 
 
-def test_the_text_says_how_good_the_approximations_are():
-    text = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+def test_the_text_says_how_good_the_approximations_are_and_its_worked_edge_is_that_of_the_equations():
     near, far = (1.0, np.radians(1)), (4.0, np.radians(2))
     (near_1, near_exact), (far_1, far_exact) = (
         (r**2 / CAMERA_HEIGHT * tau, tilted_range(0.0, r, tau) - r) for r, tau in (near, far)
     )
-    assert f"At 1 m and 1° it gives {100 * near_1:.1f} cm (exact: {100 * near_exact:.1f} cm)" in text
-    assert f"at 4 m and 2° {far_1:.2f} m (exact: {far_exact:.2f} m)" in text
+    assert f"At 1 m and 1° it gives {100 * near_1:.1f} cm (exact: {100 * near_exact:.1f} cm)" in text("11")
+    assert f"at 4 m and 2° {far_1:.2f} m (exact: {far_exact:.2f} m)" in text("11")
     inverse = 1 / (1 / far[0] - far[1] / CAMERA_HEIGHT) - far[0]
-    assert (
-        f"gives an error of {inverse:.2f} m; the exact value is {far_exact:.2f} m, and equation 11.1 gave {far_1:.2f} m"
-        in text
-    )
-    assert f"at height $h$, here {CAMERA_HEIGHT:.3f} m" in text
-
-
-def test_the_worked_edge_is_that_of_the_equations():
-    text = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+    exact = f"the exact value is {far_exact:.2f} m, and equation 11.1 gave {far_1:.2f} m"
+    assert f"gives an error of {inverse:.2f} m; {exact}" in text("11")
+    assert f"at height $h$, here {CAMERA_HEIGHT:.3f} m" in text("11")
     b, r = 0.3, 2.0
     J = np.array([[-r * np.sin(b), np.cos(b)], [r * np.cos(b), np.sin(b)]])
     (xx, xy), (_, yy) = np.linalg.inv(J @ np.diag([0.02**2, 0.2**2]) @ J.T)
-    assert f"$z = ({r * np.cos(b):.3f}, {r * np.sin(b):.3f}, 0)$" in text
-    assert f"{xx:.1f} & {xy:.1f} & 0 \\\\ {xy:.1f} & {yy:.1f} & 0" in text
+    assert f"$z = ({r * np.cos(b):.3f}, {r * np.sin(b):.3f}, 0)$" in text("11")
+    assert f"{xx:.1f} & {xy:.1f} & 0 \\\\ {xy:.1f} & {yy:.1f} & 0" in text("11")
 
 
 @pytest.mark.asserts("eq-11-2")
@@ -76,9 +69,8 @@ def test_pairs_together_are_as_far_as_their_whole_covariance_says(own, rng):
     assert np.isclose(own["joint_distance"](state, P, [0, 1], seen, R), wanted, rtol=1e-5)
     assert own["joint_distance"](state, P, [-1, -1], seen, R) == 0
     moved = [replace(each, bearing=each.bearing + 0.3) for each in seen]
-    assert own["joint_distance"](state, P, [0, 1], moved, R) > own["joint_distance"](
-        state, P, [0, -1], moved, R
-    )
+    both, one = (own["joint_distance"](state, P, pairs, moved, R) for pairs in ([0, 1], [0, -1]))
+    assert both > one
 
 
 def tilted_range(bearing, distance, tau):
@@ -124,7 +116,6 @@ def test_a_new_landmark_shares_its_pictures_tilt(own):
     shared = slam.covariance[3:5, 5:7]
     apart = picture_covariance(seen)[0:2, 2:4]
     turn = [
-        np.array([[-r * np.sin(b), np.cos(b)], [r * np.cos(b), np.sin(b)]])
-        for b, r in ((0.3, 2.0), (-0.3, 3.0))
+        np.array([[-r * np.sin(b), np.cos(b)], [r * np.cos(b), np.sin(b)]]) for b, r in ((0.3, 2), (-0.3, 3))
     ]
     assert np.allclose(shared, turn[0] @ apart @ turn[1].T, rtol=2e-3)

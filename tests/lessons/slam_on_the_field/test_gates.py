@@ -17,8 +17,7 @@ from nao_course.lessons.slam_on_the_field.associating import RUNS
 from nao_course.lessons.slam_on_the_field.panel import LANDMARK_SIGMA
 from nao_course.lessons.slam_on_the_field.worlds import KINDS, DrawnDrive, association_problem, drawn_drive
 from nao_course.slam import DeadReckoning, Measurement
-from tests.lessons.every import quotes
-from tests.paths import SOLUTIONS
+from tests.lessons.every import quotes, text
 
 NUMBERS = [[0, 1], [1, 2, -1]]  # by which a scripted filter names the measurements of two pictures
 ORIGINS = ((4, 7), (4, 7, 8))
@@ -52,7 +51,7 @@ def test_a_measurement_is_right_wrong_again_or_left_out():
     assert watched.outcome.off == 0
 
 
-def test_thirty_drives_are_recorded_for_both_associations_and_every_gate():
+def test_thirty_drives_are_recorded_for_every_gate_and_joint_compatibility_is_right_more_often():
     rows = gates.recorded()
     assert {(row["way"], row["gate"]) for row in rows} == {
         (way, gate) for way in (gates.NEAREST, gates.JOINTLY) for gate in gates.GATES
@@ -61,24 +60,17 @@ def test_thirty_drives_are_recorded_for_both_associations_and_every_gate():
     assert all(sum(row["shares"].values()) == pytest.approx(1, abs=1e-3) for row in rows)
     drawn = gates.draw_associations()
     assert "30 drives" in drawn.alt and "Gate 3, joint compatibility" in drawn.alt
-
-
-def test_predictions_are_compared_with_the_drives_that_the_text_describes():
     drives = json.loads((RESULTS / "association.json").read_text(encoding="utf-8"))["drives"]
     tight, wide = (drives[f"nearest neighbour, gate {gate}"] for gate in (1, 10))
     assert gates.recorded_landmarks(gate=1) == pytest.approx(tight["landmarks"], abs=0.05)
     assert gates.recorded_wrong(gate=10) == pytest.approx(wide["wrong %"], abs=0.05)
-
-
-def test_joint_compatibility_is_right_more_often_at_the_usual_gate():
     right = {(row["way"], row["gate"]): row["shares"]["right"] for row in gates.recorded()}
     assert right[gates.JOINTLY, 3.0] > right[gates.NEAREST, 3.0] + 0.05
     assert right[gates.JOINTLY, 10.0] > right[gates.NEAREST, 10.0] + 0.05
 
 
 def section(heading: str) -> str:
-    text = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
-    return re.split(r"^## ", text.partition(f"\n## {heading}\n")[2], flags=re.MULTILINE)[0]
+    return re.split(r"^## ", text("11").partition(f"\n## {heading}\n")[2], flags=re.MULTILINE)[0]
 
 
 def test_the_lesson_states_what_was_recorded_of_drives_and_single_pictures():
@@ -126,8 +118,6 @@ def test_the_text_says_how_many_matches_are_right_in_the_panels_thirty_pictures(
 def test_the_record_is_what_the_solution_does(own):
     recorded = {(row["way"], row["gate"]): row for row in gates.recorded()}
     for way, match in ((gates.NEAREST, None), (gates.JOINTLY, associate_jointly)):
-        off = [
-            gates.watch(own["EkfSlam"], drawn_drive(seed, gates.MOVES), 3.0, match).outcome.off
-            for seed in (400, 401)
-        ]
+        drives = (drawn_drive(seed, gates.MOVES) for seed in (400, 401))
+        off = [gates.watch(own["EkfSlam"], drive, 3.0, match).outcome.off for drive in drives]
         assert recorded[way, 3.0]["off"][:2] == pytest.approx(off, abs=2e-4)

@@ -9,10 +9,9 @@ from nao_course.lessons.slam_on_the_field.one_drive import draw_one_drive, the_d
 from nao_course.lessons.slam_on_the_field.panel import ReplayPanel
 from nao_course.lessons.slam_on_the_field.worlds import LANDMARKS
 from nao_course.slam import range_and_bearing
-from tests.lessons.every import quotes
-from tests.paths import SOLUTIONS
+from tests.lessons.every import quotes, text
 
-TEXT = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+TEXT = text("11")
 
 
 def numbers(alt, title):
@@ -21,21 +20,8 @@ def numbers(alt, title):
     return int(wrong or 0), int(off)
 
 
-def test_in_metres_a_quarter_of_the_matches_is_wrong():
+def test_in_metres_a_quarter_of_the_matches_is_wrong_and_the_text_says_what_associate_does(own):
     assert numbers(draw_one_drive().alt, "nearest in metres") == (23, 39)
-
-
-def test_the_ranges_of_a_picture_are_too_long_together_or_too_short():
-    drive, alike = the_drive(), []
-    for (_, seen), pose, origins in zip(drive.log, drive.poses, drive.origins, strict=True):
-        exact = range_and_bearing(pose, LANDMARKS)[list(origins), 1]
-        off = np.array([each.range for each in seen]) - exact
-        if len(off) > 1:
-            alike.append(bool((off > 0).all() or (off < 0).all()))
-    assert f"In {sum(alike)} of the {len(alike)} pictures with two or more landmarks" in TEXT
-
-
-def test_the_text_says_what_associate_does_on_the_drive(own):
     alt = draw_one_drive(associate=own["associate"]).alt
     (metres, _), (wrong, off), (jointly, _) = (
         numbers(alt, title) for title in ("nearest in metres", "your associate", "joint compatibility")
@@ -44,13 +30,24 @@ def test_the_text_says_what_associate_does_on_the_drive(own):
     assert jointly == 0
 
 
+def test_ranges_of_a_picture_are_too_long_together_and_the_replay_shows_where_nearest_neighbour_fails(own):
+    drive, alike = the_drive(), []
+    for (_, seen), pose, origins in zip(drive.log, drive.poses, drive.origins, strict=True):
+        exact = range_and_bearing(pose, LANDMARKS)[list(origins), 1]
+        off = np.array([each.range for each in seen]) - exact
+        if len(off) > 1:
+            alike.append(bool((off > 0).all() or (off < 0).all()))
+    assert f"In {sum(alike)} of the {len(alike)} pictures with two or more landmarks" in TEXT
+    text = ReplayPanel(own["associate"], own["joint_distance"]).summary()
+    assert "Nearest neighbour: pair 3 is WRONG, 0.7 σ alone; 3 together: 4.0 σ." in text
+    assert "Joint compatibility: pair 3 is right, 0.8 σ alone; 3 together: 1.5 σ." in text
+
+
 @pytest.mark.slow
 def test_the_drive_gets_better_method_by_method_and_the_text_says_so(own):
     alt = draw_one_drive(EkfSlam=own["EkfSlam"]).alt
-    ends = [
-        numbers(alt, f"{title}")
-        for title in ("move", "move, use_compass", "your EkfSlam", "your EkfSlam, jointly")
-    ]
+    titles = ("move", "move, use_compass", "your EkfSlam", "your EkfSlam, jointly")
+    ends = [numbers(alt, title) for title in titles]
     assert [off for _, off in ends] == [39, 17, 11, 1] and ends[-1][0] == 0
     quotes(TEXT, "39 cm", "17 cm", "11 cm", f"{ends[2][0]} of 98", "1 cm")
     graph = draw_one_drive(EkfSlam=own["EkfSlam"], GraphSlam=own["GraphSlam"]).alt
@@ -58,21 +55,12 @@ def test_the_drive_gets_better_method_by_method_and_the_text_says_so(own):
     quotes(TEXT, f"{off} cm off")
 
 
-def test_what_is_not_written_yet_has_a_panel_that_says_so(own):
+def test_what_is_not_written_yet_has_a_panel_that_says_so_and_an_answer_of_another_length_is_rejected(own):
     class Half(own["EkfSlam"]):
         def number(self, seen):
             raise NotImplementedError
 
     alt = draw_one_drive(EkfSlam=Half).alt
     assert "move, use_compass: off by 17 cm" in alt and "your EkfSlam: not written yet" in alt
-
-
-def test_an_answer_of_another_length_is_rejected():
     with pytest.raises(ValueError, match="need as many numbers"):
         draw_one_drive(associate=lambda *given: np.zeros(1, dtype=int))
-
-
-def test_the_replay_shows_where_nearest_neighbour_goes_wrong(own):
-    text = ReplayPanel(own["associate"], own["joint_distance"]).summary()
-    assert "Nearest neighbour: pair 3 is WRONG, 0.7 σ alone; 3 together: 4.0 σ." in text
-    assert "Joint compatibility: pair 3 is right, 0.8 σ alone; 3 together: 1.5 σ." in text

@@ -28,10 +28,13 @@ def exact_log(start):
     return log, pose
 
 
-def test_the_docstrings_example_of_the_joint_distance_is_what_it_returns(own):
+def test_the_docstrings_example_is_what_it_returns_and_measurements_of_a_problem_lie_at_their_landmarks(own):
     state, covariance = 2.0 * np.eye(5)[3], 0.01 * np.eye(5)
     distance = own["joint_distance"](state, covariance, [0], [Measurement(0.1, 2.2)], np.diag([0.0025, 0.01]))
     assert f"give {distance:.3f}." in own["joint_distance"].__doc__
+    each = association_problem(3, 0.1, 0.1)
+    places = measured_points(each.observation, each.pose)
+    assert np.linalg.norm(places - LANDMARKS[list(each.origins)], axis=1).max() < 1.5
 
 
 def test_a_picture_of_the_public_cases_needs_all_measurements_associated_together(own):
@@ -73,12 +76,6 @@ def test_drawn_measurements_have_the_stated_covariance():
         away = (each.observation.values - exact).ravel()
         errors.append(away @ np.linalg.solve(each.observation.covariance, away) / len(away))
     assert 0.7 < np.median(errors) < 1.4
-
-
-def test_measurements_of_a_problem_lie_at_their_landmarks():
-    each = association_problem(3, 0.1, 0.1)
-    places = measured_points(each.observation, each.pose)
-    assert np.linalg.norm(places - LANDMARKS[list(each.origins)], axis=1).max() < 1.5
 
 
 @pytest.mark.slow

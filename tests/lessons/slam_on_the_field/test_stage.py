@@ -37,14 +37,19 @@ def looked(functions):
     return pipeline.process(nao.take_picture()), nao
 
 
-def test_the_students_class_follows_and_the_board_says_error_and_nees():
-    seen, nao = looked(
-        {"EkfSlam": Commanded, "measure": lambda picture, view: [Measurement(0.1, 1.5, "post")]}
-    )
+def test_the_students_class_follows_and_the_board_says_error_and_nees_and_what_measure_lacks():
+    seen, nao = looked({"EkfSlam": Commanded, "measure": lambda *_: [Measurement(0.1, 1.5, "post")]})
     assert not seen.complaints
     text = seen.overlays["estimate"].text
     assert "1 measurement by your measure" in text and "NEES" in text and "states 14 cm" in text
     assert np.allclose(seen.estimate.pose.as_array(), (Truth(nao).odometry_start @ nao.odometry).as_array())
+
+    def measure(picture, view):
+        raise EarlierNotUsable("find_goalposts of your lesson 02 is not usable yet.")
+
+    seen, _ = looked({"EkfSlam": Commanded, "measure": measure})
+    assert not seen.complaints
+    assert "by sense(), for find_goalposts of your lesson 02 is" in seen.overlays["estimate"].text
 
 
 def test_measure_gets_the_view_with_the_tilt_of_the_field_lines_and_the_filter_their_direction():
@@ -63,39 +68,19 @@ def test_measure_gets_the_view_with_the_tilt_of_the_field_lines_and_the_filter_t
     assert Commanded.last.direction_sigma < np.radians(2)
 
 
-def test_without_measure_the_simulator_measures():
+def test_without_measure_the_simulator_measures_with_its_noise_and_one_that_returns_no_list_is_said():
     seen, _ = looked({"EkfSlam": Commanded})
     assert "by sense()" in seen.overlays["estimate"].text
-
-
-def test_the_filter_gets_the_noise_of_the_simulators_measurements():
     _, nao = looked({"EkfSlam": Commanded})
     own = [nao.sensor_noise.covariance(each) for each in Commanded.last]
     assert len(own) > 1 and np.array_equal(Commanded.last.covariance, block_diag(*own))
-
-
-def test_where_measure_calls_what_is_missing_it_is_named_and_the_simulator_measures():
-    def measure(picture, view):
-        raise EarlierNotUsable("find_goalposts of your lesson 02 is not usable yet.")
-
-    seen, _ = looked({"EkfSlam": Commanded, "measure": measure})
-    assert not seen.complaints
-    assert seen.overlays["estimate"].text.endswith(
-        "by sense(), for find_goalposts of your lesson 02 is not usable yet"
-    )
-
-
-def test_a_measure_that_returns_no_list_is_said():
     seen, _ = looked({"EkfSlam": Commanded, "measure": lambda picture, view: None})
     assert "got NoneType" in seen.complaints[0]
 
 
-def test_what_is_missing_is_named_and_the_stage_goes_on(tmp_path):
+def test_what_is_missing_is_named_and_an_overconfident_board_says_so(tmp_path):
     found = readiness([STAGE], {}, tmp_path)
     assert not found.stages and "11_slam_on_the_field.ipynb" in found.missing["estimate"]
-
-
-def test_an_overconfident_board_says_so():
     nao = SimulatedNao(rng=1)
     off = Truth(nao).pose @ Pose(0.5, 0.0, 0.0)
     sure = Estimate(off, 1e-4 * np.eye(3), np.empty((0, 2)), np.empty((0, 2, 2)))

@@ -7,16 +7,11 @@ import pytest
 from scipy.stats import chi2
 
 from benchmarks import RESULTS
-from nao_course.lessons.slam_on_the_field.variants import (
-    COMPLETE,
-    draw_variants,
-    recorded_variants,
-    variants_table,
-)
+from nao_course.lessons.slam_on_the_field import variants
 from tests.lessons.every import quotes
-from tests.paths import SOLUTIONS
+from tests.lessons.every import text as text_of
 
-VARIANTS = {row["variant"]: row for row in recorded_variants()}
+VARIANTS = {row["variant"]: row for row in variants.recorded_variants()}
 EKF, GRAPH = "compass: the complete EKF", "graph"
 SUREST, SUREST_GRAPH = "EKF, best compass of a stop first", "graph, best compass of a stop first"
 TAILS = json.loads((RESULTS / "field_tails.json").read_text(encoding="utf-8"))["conditions"]
@@ -26,7 +21,7 @@ FALSE_CORNERS, WORSE = "0.3 false corners per picture", "odometry twice as bad a
 
 @pytest.fixture(scope="module")
 def text():
-    whole = (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8")
+    whole = text_of("11")
     hundred = whole.partition("### A hundred drives, from pictures")[2].partition("### On a real field")[0]
     return hundred + whole.partition("## For readers of the paper")[2].partition("## What you have")[0]
 
@@ -116,35 +111,25 @@ def test_the_system_is_as_near_as_it_has_to_be():
     for variant in (SUREST, SUREST_GRAPH):
         row = VARIANTS[variant]
         assert len(row["position"]) == 100
-        assert (
-            np.median(off(variant)) <= 2 and np.quantile(off(variant), 0.95) <= 5 and off(variant).max() <= 15
-        )
+        assert np.median(off(variant)) <= 2 and np.quantile(off(variant), 0.95) <= 5
+        assert off(variant).max() <= 15
         assert np.median(row["heading"]) <= 0.3 and np.median(row["landmarks"]) <= 0.01
         assert 2 <= np.mean(row["nees"]) <= 4
     for name in (NORMAL, FALSE_CORNERS, WORSE):
         row = of_hard_drives(name)
-        assert (
-            row["position"] <= 0.01
-            and row["position 95 %"] <= 0.05
-            and lost_of(name, "several hypotheses") == 0
-        )
-        assert row["NEES mean"] <= 4.5
+        assert row["position"] <= 0.01 and row["position 95 %"] <= 0.05 and row["NEES mean"] <= 4.5
+        assert lost_of(name, "several hypotheses") == 0
 
 
-def test_figure_and_table_have_all_of_it():
-    assert f"graph: {np.median(off(GRAPH)):.1f} cm" in draw_variants().alt
-    rows = variants_table().rows
-    assert len(rows) == len(VARIANTS) - COMPLETE and rows[0][0] == EKF
+def test_figure_and_table_have_all_of_it_and_the_text_says_how_many_kidnapped_robots_find_their_pose():
+    assert f"graph: {np.median(off(GRAPH)):.1f} cm" in variants.draw_variants().alt
+    rows = variants.variants_table().rows
+    assert len(rows) == len(VARIANTS) - variants.COMPLETE and rows[0][0] == EKF
     assert not any("e+" in cell or "more than" in cell for row in rows for cell in row)
-    assert len(VARIANTS) == len(recorded_variants())
-
-
-def test_the_text_says_how_many_kidnapped_robots_find_their_pose():
+    assert len(VARIANTS) == len(variants.recorded_variants())
     recorded = json.loads((RESULTS / "kidnapping.json").read_text(encoding="utf-8"))
     found, ordinary = recorded["kidnapped"], recorded["ordinary"]
-    ending = (
-        (SOLUTIONS / "11_slam_on_the_field.md").read_text(encoding="utf-8").partition("## What you have")[2]
-    )
+    ending = text_of("11").partition("## What you have")[2]
     back, drives = found["both, and no alarm before"], found["drives"]
     assert f"is within 5 cm again after seven stops in {back} of {drives} drives" in ending
     assert (ordinary["false alarms"], ordinary["drives"]) == (3, 200)

@@ -38,35 +38,40 @@ def test_an_estimate_with_the_covariance_of_its_errors_is_consistent_in_95_perce
     assert verdicts(COVARIANCE * 50, rng)["underconfident"] > 0.95
 
 
-def test_the_radius_of_a_round_covariance_holds_95_percent_of_the_errors():
+def test_the_radius_of_a_round_covariance_holds_95_percent_and_numbers_do_not_change_with_the_frame():
     rng = np.random.default_rng(1)
     covariance = np.diag([0.09, 0.09, 0.01])
     radius = accuracy(estimate(covariance=covariance), None).radius
     errors = rng.multivariate_normal(np.zeros(3), covariance, DRAWS)
     assert np.mean(np.hypot(*errors[:, :2].T) < radius) == pytest.approx(0.95, abs=0.015)
-
-
-def test_numbers_do_not_change_when_estimate_truth_and_covariance_are_turned_together():
     turn = Pose(1.0, -2.0, 0.7)
     J = np.eye(3)
     J[:2, :2] = [[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]]
     before = accuracy(estimate((0.1, 0.2, 0.05)), Pose(0.0, 0.1, 0.0))
     at = turn @ Pose(0.1, 0.2, 0.05)
     after = accuracy(estimate(at.as_array(), J @ COVARIANCE @ J.T), turn @ Pose(0.0, 0.1, 0.0))
-    assert (after.error, after.radius, after.nees) == pytest.approx(
-        (before.error, before.radius, before.nees)
-    )
+    for name in ("error", "radius", "nees"):
+        assert getattr(after, name) == pytest.approx(getattr(before, name))
 
 
-def test_a_value_without_a_variance_does_not_count():
+def test_a_value_without_a_variance_does_not_count_and_the_panel_draws_the_axis_that_is_too_small():
     shown = accuracy(estimate((0.1, 0.0, 0.5), np.diag([0.01, 0.01, 0.0])), Pose())
     assert shown.degrees == 2 and shown.nees == pytest.approx(1.0) and shown.verdict == "consistent"
-
-
-def test_an_estimate_that_claims_to_be_exact_is_overconfident_as_soon_as_it_is_off():
     exact = np.zeros((3, 3))
     assert accuracy(estimate(covariance=exact), Pose()).verdict == ""
     assert accuracy(estimate((0.1, 0.0, 0.0), exact), Pose()).verdict == "overconfident"
+
+    class Sure(DeadReckoning):
+        def estimate(self):
+            return estimate((0.0, 0.06, 0.0), np.diag([0.05, 0.01, 0.01]) ** 2)
+
+    nao = clean_nao()
+    panel = ControlPanel(nao, Truth(nao), Sure())
+    short = panel._screen.contents().short
+    assert (short.direction, short.error) == pytest.approx((-np.pi / 2, 0.06))
+    assert isinstance(short, ShortAxis) and short.claimed == pytest.approx(0.0245, abs=1e-4)
+    panel.show_truth = False
+    assert panel._screen.contents().short is None
 
 
 @pytest.mark.parametrize("covariance", [np.full((3, 3), np.nan), np.full((3, 3), np.inf), -np.eye(3)])
@@ -76,28 +81,22 @@ def test_a_matrix_that_is_no_covariance_gives_an_error_and_no_verdict(covariance
     assert "not a valid covariance" in numbers_html(shown, has_truth=True, estimated=True)
 
 
-def test_a_hidden_truth_gives_neither_an_error_nor_a_verdict():
+def test_the_tiles_say_the_numbers_and_their_verdict_and_a_hidden_truth_gives_neither_error_nor_verdict():
     shown = accuracy(estimate((0.3, 0.4, 0.0)), None)
     assert shown.error is None and shown.verdict == "" and shown.radius > 0
     assert numbers_html(shown, has_truth=True, estimated=True).count("tick Show the truth") == 2
     assert "no truth" in numbers_html(shown, has_truth=False, estimated=True)
-
-
-def test_the_tiles_say_the_numbers_and_their_verdict():
     html = numbers_html(accuracy(estimate((0.54, 0.72, 0.0)), Pose()), has_truth=True, estimated=True)
+    said = {0.0: "< 1 cm", 0.0051: "1 cm", 0.994: "99 cm", 1.0: "1.00 m"}
+    assert {metres: say_length(metres) for metres in said} == said
     assert "<b>90 cm</b>" in html and "<b>± 51 cm</b>" in html
     assert "; NEES " in html and ". NEES, the normalised" in html
     assert "<b>overconfident</b>" in html and "nao-bad" in html and "nao-good" not in html
-    assert (
-        numbers_html(accuracy(Pose(0.3, 0.4, 0.0), Pose()), has_truth=True, estimated=False).count("–") == 2
-    )
-
-
-@pytest.mark.parametrize(
-    ("metres", "said"), [(0.0, "< 1 cm"), (0.0051, "1 cm"), (0.994, "99 cm"), (1.0, "1.00 m")]
-)
-def test_lengths_are_whole_centimetres_up_to_a_metre(metres, said):
-    assert say_length(metres) == said
+    assert numbers_html(accuracy(Pose(0.3, 0.4, 0.0), Pose()), True, False).count("–") == 2
+    covariance = np.diag([0.1, 0.1, 0.05]) ** 2
+    html = numbers_html(accuracy(estimate((0.27, 0.0, 0.0), covariance), Pose()), True, True)
+    assert "<b>27 cm</b>" in html and "<b>± 24 cm</b>" in html and "<b>consistent</b>" in html
+    assert "outside the ellipse, as 1 of 20 is" in html
 
 
 @pytest.mark.parametrize(
@@ -144,25 +143,3 @@ def test_whatever_is_called_overconfident_is_outside_of_what_is_drawn_and_said(s
     if shown.verdict == "overconfident":
         error, claimed = re.search(r"<small>([\d.]+) ?(?:c?m|°) .*, where ± ([\d.]+)", said).groups()
         assert float(error) > float(claimed) > 0
-
-
-def test_an_error_just_outside_of_the_ellipse_may_be_consistent_and_the_tile_says_so():
-    covariance = np.diag([0.1, 0.1, 0.05]) ** 2
-    html = numbers_html(accuracy(estimate((0.27, 0.0, 0.0), covariance), Pose()), True, True)
-    assert "<b>27 cm</b>" in html and "<b>± 24 cm</b>" in html and "<b>consistent</b>" in html
-    assert "outside the ellipse, as 1 of 20 is" in html
-
-
-def test_the_panel_draws_the_axis_that_is_too_small_while_it_shows_the_truth():
-    class Sure(DeadReckoning):
-        def estimate(self):
-            return estimate((0.0, 0.06, 0.0), np.diag([0.05, 0.01, 0.01]) ** 2)
-
-    nao = clean_nao()
-    panel = ControlPanel(nao, Truth(nao), Sure())
-    short = panel._screen.contents().short
-    assert short == ShortAxis(
-        "across the heading", pytest.approx(-np.pi / 2), pytest.approx(0.0245, abs=1e-4), pytest.approx(0.06)
-    )
-    panel.show_truth = False
-    assert panel._screen.contents().short is None

@@ -20,14 +20,11 @@ def test_the_pieces_of_a_motion_are_small_and_add_up_to_it(motion):
     assert all(abs(part.distance) <= STEP + 1e-9 and abs(part.turn) <= TURN_STEP + 1e-9 for part in parts)
 
 
-def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there():
+def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there_and_a_heading_near_zero_is_shown_as_zero():
     nao = clean_nao(pose=Pose(0.5, -0.5, 0.4))
     cockpit = Cockpit(nao, Truth(nao), Recorder(Pose(0.5, -0.5, 0.4)), frame=Pose())
     cockpit.move(Motion(0.05))
     assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
-
-
-def test_a_heading_that_is_nearly_zero_is_shown_as_zero():
     cockpit = Cockpit(clean_nao())
     cockpit.move(Motion(-1e-6, -1e-6))
     assert "-0" not in " ".join(cockpit.facts())

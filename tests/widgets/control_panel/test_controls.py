@@ -1,7 +1,6 @@
 """The control panel's widgets: each has a name, and each key presses one of them."""
 
 import ipywidgets
-import pytest
 
 from nao_course.widgets import ControlPanel
 from nao_course.widgets.control_panel.controls import KEYS
@@ -10,7 +9,7 @@ from nao_course.widgets.parts import LabelledImage
 from tests.widgets.robots import all_widgets, clean_nao
 
 
-def test_every_control_has_a_name_and_says_its_key():
+def test_every_control_has_a_name_and_every_key_presses_one_button():
     panel = ControlPanel(clean_nao())
     for widget in all_widgets(panel.widget):
         if isinstance(widget, ipywidgets.Button):
@@ -19,19 +18,9 @@ def test_every_control_has_a_name_and_says_its_key():
             assert widget.description
         elif isinstance(widget, LabelledImage):
             assert widget.alt and widget.tooltip is None
-
-
-def test_every_key_presses_one_button_and_none_belongs_to_two():
-    classes = [
-        name for widget in all_widgets(ControlPanel(clean_nao()).widget) for name in widget._dom_classes
-    ]
+    classes = [name for widget in all_widgets(panel.widget) for name in widget._dom_classes]
     assert all(classes.count(f"nao-do-{name}") == 1 for name in KEYS)
     keys = [key for several in KEYS.values() for key in several]
     assert len(keys) == len(set(keys))
-
-
-@pytest.mark.parametrize(
-    ("keys", "words"), [(("w", "arrowup"), "w or arrow up"), ((" ",), "space"), (("x",), "x")]
-)
-def test_keys_are_named_in_words(keys, words):
-    assert key_names(keys) == words
+    words = {("w", "arrowup"): "w or arrow up", (" ",): "space", ("x",): "x"}
+    assert {each: key_names(each) for each in words} == words

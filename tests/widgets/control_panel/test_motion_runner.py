@@ -16,59 +16,35 @@ from nao_course.widgets.control_panel.motion_runner import PERIOD
 from tests.widgets.robots import clean_nao, in_a_loop, press, until_it_stands
 
 
-def test_buttons_and_code_drive_alike():
-    by_code, by_button = (ControlPanel(SimulatedNao(rng=3)) for _ in range(2))
+def go(panel, *presses):
+    """Press buttons in a kernel's loop, which runs where a name is empty, and wait until the robot stands."""
 
     async def scenario():
-        press(by_button, "forward")
-        assert by_button.driving
-        assert by_button.cockpit.nao.odometry == Pose()
-        await until_it_stands(by_button)
+        for name in presses:
+            await asyncio.sleep(0) if not name else press(panel, name)
+        await until_it_stands(panel)
 
     in_a_loop(scenario)
+
+
+def test_buttons_and_code_drive_alike_and_a_drive_is_paced():
+    by_code, by_button = (ControlPanel(SimulatedNao(rng=3)) for _ in range(2))
+    began = time.perf_counter()
+    go(by_button, "forward")
+    assert time.perf_counter() - began >= 4 * PERIOD * 0.95
     by_code.forward()
     assert by_code.summary() == by_button.summary()
     assert np.array_equal(by_code.cockpit.pictures["top"].pixels, by_button.cockpit.pictures["top"].pixels)
 
 
-def test_a_drive_is_paced():
+def test_stop_stops_after_the_present_step_and_forgets_what_was_to_come_and_no_later_drive():
     panel = ControlPanel(clean_nao())
-
-    async def scenario():
-        began = time.perf_counter()
-        press(panel, "forward")
-        await until_it_stands(panel)
-        return time.perf_counter() - began
-
-    assert in_a_loop(scenario) >= 4 * PERIOD * 0.95
-
-
-def test_stop_stops_after_the_present_step_and_forgets_what_was_to_come():
-    panel = ControlPanel(clean_nao())
-
-    async def scenario():
-        press(panel, "forward")
-        press(panel, "left")
-        await asyncio.sleep(0)
-        press(panel, "stop")
-        await until_it_stands(panel)
-
-    in_a_loop(scenario)
+    go(panel, "forward", "left", "", "stop")
     assert panel.cockpit.nao.odometry.x == pytest.approx(STEP)
     assert panel.cockpit.nao.odometry.theta == 0
     assert panel.cockpit.message == "Stopped."
-
-
-def test_stop_while_standing_stops_no_later_drive():
-    panel = ControlPanel(clean_nao())
-
-    async def scenario():
-        press(panel, "stop")
-        press(panel, "forward")
-        await until_it_stands(panel)
-
-    in_a_loop(scenario)
-    assert panel.cockpit.nao.odometry.x == pytest.approx(0.2)
+    go(panel, "stop", "forward")
+    assert panel.cockpit.nao.odometry.x == pytest.approx(STEP + 0.2)
 
 
 def test_during_a_drive_commands_wait_in_their_order_and_the_head_obeys_at_once():
@@ -77,10 +53,8 @@ def test_during_a_drive_commands_wait_in_their_order_and_the_head_obeys_at_once(
     async def scenario():
         press(panel, "forward")
         await asyncio.sleep(0)
-        press(panel, "forward")
-        press(panel, "forward")
-        press(panel, "left")
-        press(panel, "look-up")
+        for name in ("forward", "forward", "left", "look-up"):
+            press(panel, name)
         assert np.degrees(panel.cockpit.nao.head[1]) == pytest.approx(-36)
         assert panel.cockpit.nao.odometry.theta == 0
         press(panel, "forward")
@@ -119,17 +93,16 @@ def test_a_newer_panel_closes_the_older_and_leaves_no_task():
 
 
 def test_a_panel_of_another_robot_stops_what_still_drives_but_closes_nothing():
+    older = ControlPanel(clean_nao())
+
     async def scenario():
-        older = ControlPanel(clean_nao())
         press(older, "forward")
         await asyncio.sleep(0)
         ControlPanel(clean_nao())
         await until_it_stands(older)
-        return older
 
-    older = in_a_loop(scenario)
-    assert older.cockpit.nao.odometry.x == pytest.approx(STEP)
-    assert not older.closed
+    in_a_loop(scenario)
+    assert older.cockpit.nao.odometry.x == pytest.approx(STEP) and not older.closed
 
 
 def test_a_mistake_of_the_panel_itself_is_a_message_too(monkeypatch):
@@ -138,13 +111,8 @@ def test_a_mistake_of_the_panel_itself_is_a_message_too(monkeypatch):
     press(panel, "forward")
     press(panel, "look-up")
     assert "ZeroDivisionError in the panel" in panel.cockpit.message
-
-    async def scenario():
-        panel.cockpit.say("")
-        press(panel, "forward")
-        await until_it_stands(panel)
-
-    in_a_loop(scenario)
+    panel.cockpit.say("")
+    go(panel, "forward")
     assert "ZeroDivisionError in the panel" in panel.cockpit.message
 
 
@@ -174,16 +142,11 @@ def test_a_page_that_was_closed_holds_no_drive_up(monkeypatch):
     monkeypatch.setattr(motion_runner, "PATIENCE", 0.1)
     panel = ControlPanel(clean_nao())
     answer(panel)
-
-    async def scenario():
-        press(panel, "forward")
-        await until_it_stands(panel)
-
-    in_a_loop(scenario)
+    go(panel, "forward")
     assert panel.cockpit.nao.odometry.x == pytest.approx(4 * STEP)
 
 
-def test_a_robot_stops_where_the_carpet_ends_and_turns_there():
+def test_a_robot_stops_where_the_carpet_ends_and_turns_there_also_if_it_drives_by_itself(monkeypatch):
     nao = clean_nao(pose=Pose(3.0, 0.0, 0.0))
     panel = ControlPanel(nao, Truth(nao))
     edge = nao.field.pose.to_parent([nao.field.carpet[2], 0.0])[0][0]
@@ -197,9 +160,6 @@ def test_a_robot_stops_where_the_carpet_ends_and_turns_there():
     panel.left(np.pi / 2)
     panel.forward()
     assert panel.cockpit.message == "Walk 0.20 m ahead: done."
-
-
-def test_a_robot_that_drives_by_itself_stops_at_the_edge(monkeypatch):
     panel = ControlPanel(clean_nao(pose=Pose(3.0, 0.0, 0.0)))
     panel._drive._waiting._next_motion = lambda: Motion(0.5)
 

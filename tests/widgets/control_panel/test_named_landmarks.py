@@ -9,12 +9,6 @@ from nao_course.geometry import Pose
 from nao_course.sim import SensorNoise, SimulatedNao, Truth, visible_landmarks
 from nao_course.slam import Motion, range_and_bearing
 from nao_course.widgets.control_panel import named_landmarks
-from nao_course.widgets.control_panel.named_landmarks import (
-    FollowedRobot,
-    measure_by_name,
-    new_commands,
-    new_motions,
-)
 
 
 @pytest.fixture
@@ -27,44 +21,43 @@ def test_commands_are_those_that_were_not_done_yet(nao):
     for motion in told:
         nao.move(motion)
     for done in range(4):
-        found = np.array([each.as_pose().as_array() for each in new_motions(nao, done)]).reshape(-1, 3)
-        assert np.allclose(
-            found, np.array([each.as_pose().as_array() for each in told[done:]]).reshape(-1, 3)
+        found, wanted = (
+            np.array([each.as_pose().as_array() for each in motions]).reshape(-1, 3)
+            for motions in (named_landmarks.new_motions(nao, done), told[done:])
         )
-    for (control, covariance), motion in zip(new_commands(nao, 1), told[1:], strict=True):
+        assert np.allclose(found, wanted)
+    for (control, covariance), motion in zip(named_landmarks.new_commands(nao, 1), told[1:], strict=True):
         assert np.allclose(control, (motion.distance, motion.turn))
         assert np.allclose(covariance, nao.odometry_noise.covariance(motion))
 
 
-def test_landmarks_in_view_and_within_reach_are_measured_by_their_numbers(nao, rng):
+def test_landmarks_in_view_and_reach_are_measured_by_number_and_hidden_ones_are_not(nao, rng, monkeypatch):
     nao.look(0.0, 0.0)
     pose, view = Truth(nao).pose, nao.view("top")
     marks = visible_landmarks(nao.field, pose, view)
-    far = measure_by_name(nao, view, 9.0, rng)
+    far = named_landmarks.measure_by_name(nao, view, 9.0, rng)
     assert len(far.numbers) >= 3 and np.allclose(
         far.measurements, range_and_bearing(pose.as_array(), nao.field.detectable_positions[far.numbers])
     )
     wanted = [each for each in marks if each.landmark.detected_as and not each.occluded]
     assert far.pixels == [each.pixel for each in wanted]
     reach = float(np.median(far.measurements[:, 1]))
-    near = measure_by_name(nao, view, reach, rng)
+    near = named_landmarks.measure_by_name(nao, view, reach, rng)
     assert 0 < len(near.numbers) < len(far.numbers) and near.measurements[:, 1].max() <= reach
     nao.sensor_noise = SensorNoise(0.1, 0.2)
-    noisy = measure_by_name(nao, view, 9.0, np.random.default_rng(1))
+    noisy = named_landmarks.measure_by_name(nao, view, 9.0, np.random.default_rng(1))
     draws = np.random.default_rng(1).standard_normal(far.measurements.shape)
     assert np.allclose(noisy.measurements, nao.sensor_noise.disturbed(far.measurements, draws))
     assert np.allclose(noisy.covariances, nao.sensor_noise.covariances(noisy.measurements))
 
-
-def test_a_landmark_that_is_hidden_is_not_measured(nao, rng, monkeypatch):
     def first_hidden(*given):
         first, *others = visible_landmarks(*given)
         return [replace(first, occluded=True), *others]
 
-    nao.look(0.0, 0.0)
-    everything = measure_by_name(nao, nao.view("top"), 9.0, rng)
+    nao.sensor_noise = SensorNoise(0.0, 0.0)
+    everything = named_landmarks.measure_by_name(nao, nao.view("top"), 9.0, rng)
     monkeypatch.setattr(named_landmarks, "visible_landmarks", first_hidden)
-    assert measure_by_name(nao, nao.view("top"), 9.0, rng).numbers == everything.numbers[1:]
+    assert named_landmarks.measure_by_name(nao, nao.view("top"), 9.0, rng).numbers == everything.numbers[1:]
 
 
 class Recorder:
@@ -88,7 +81,7 @@ class Recorder:
 
 
 def test_a_filter_follows_each_command_once_and_stays_as_it_is_if_an_update_fails(nao, monkeypatch):
-    robot, view = FollowedRobot(Recorder(), nao, 9.0, 1), nao.view("top")
+    robot, view = named_landmarks.FollowedRobot(Recorder(), nao, 9.0, 1), nao.view("top")
     seen, walked = robot.follow(view)
     count = len(seen.numbers)
     assert (robot.slam.got, walked) == ([count], 0.0)

@@ -4,7 +4,7 @@ from nao_course.slam import Motion
 from nao_course.widgets.control_panel.waiting import MOST_WAITING, WaitingMotions
 
 
-def test_motions_come_out_as_they_went_in():
+def test_motions_come_out_as_they_went_in_and_one_too_many_is_left_out_and_said_until_there_is_room():
     waiting = WaitingMotions()
     motions = [Motion(0.2, 0.0), Motion(0.2, 0.0), Motion(0.0, 0.5)]
     for motion in motions:
@@ -12,10 +12,6 @@ def test_motions_come_out_as_they_went_in():
     assert waiting.text() == "Then: Walk 0.20 m ahead (2 times); Turn 29° left."
     assert [waiting.take() for _ in range(4)] == [*motions, None]
     assert waiting.text() == ""
-
-
-def test_one_too_many_is_left_out_and_said_until_there_is_room():
-    waiting = WaitingMotions()
     for _ in range(MOST_WAITING):
         waiting.add(Motion(0.2, 0.0))
     assert "ignored" not in waiting.text()

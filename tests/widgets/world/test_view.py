@@ -15,6 +15,7 @@ from nao_course.widgets.world.canvas import Canvas
 from nao_course.widgets.world.contents import WorldContents
 from nao_course.widgets.world.picture import cameras, render_world, viewer
 from nao_course.widgets.world.scene import GRID, PRESETS, Viewpoint
+from nao_course.widgets.world.shells import shells
 
 POSE = Pose(0.6, -0.5, 0.2)
 PICTURE = np.full((24, 32, 3), (10, 200, 30), dtype=np.uint8)
@@ -24,9 +25,8 @@ def an_estimate(pose=POSE):
     covariance = np.array([[0.02, 0.006], [0.006, 0.01]])
     robot = np.zeros((3, 3))
     robot[:2, :2] = covariance
-    return Estimate(
-        pose, robot, np.array([[3.0, 0.7], [2.4, 1.1]]), np.array([covariance] * 2), ("post", "corner")
-    )
+    marks = np.array([[3.0, 0.7], [2.4, 1.1]])
+    return Estimate(pose, robot, marks, np.array([covariance] * 2), ("post", "corner"))
 
 
 @pytest.fixture(scope="module")
@@ -34,10 +34,7 @@ def world():
     return WorldView(size=(160, 100))
 
 
-# What it is given
-
-
-def test_what_is_not_given_stays_and_none_hides(world):
+def test_what_is_not_given_stays_and_none_hides_and_the_summary_says_what_is_shown(world):
     world.update(POSE, an_estimate(), head=(0.3, -0.2), pictures={"top": PICTURE})
     world.update(head=(0.1, 0.0))
     assert world.contents.truth == POSE and world.contents.head == (0.1, 0.0)
@@ -45,6 +42,12 @@ def test_what_is_not_given_stays_and_none_hides(world):
     world.update(estimate=None, pictures={"top": np.empty((0, 0, 3), dtype=np.uint8)})
     assert world.contents.estimate is None and world.contents.pictures == {}
     assert world.contents.truth == POSE
+    tilted = {"head": (0.5, 0.1), "tilt": (np.radians(1), 0.0)}
+    world.update(POSE, an_estimate(Pose(0.6, -0.2, 0.2)), rays=[Ray((3, 0))], **tilted)
+    words = world.summary()
+    for part in ("(0.60, -0.50) m", "30 cm apart", "2 landmarks", "yaw 29 deg", "1.0 deg", "1 ray "):
+        assert part in words
+    assert repr(world) == f"WorldView: {words}"
 
 
 @pytest.mark.parametrize(
@@ -68,31 +71,7 @@ def test_what_is_not_possible_is_refused_and_changes_nothing(world, wrong, words
     assert world.contents is before
 
 
-def test_the_summary_says_what_is_shown(world):
-    world.update(
-        POSE,
-        an_estimate(Pose(0.6, -0.2, 0.2)),
-        head=(0.5, 0.1),
-        tilt=(np.radians(1), 0.0),
-        rays=[Ray((3, 0))],
-    )
-    words = world.summary()
-    for part in (
-        "(0.60, -0.50) m",
-        "30 cm apart",
-        "2 landmarks",
-        "yaw 29 deg",
-        "1.0 deg to the front",
-        "1 ray ",
-    ):
-        assert part in words
-    assert repr(world) == f"WorldView: {words}"
-
-
-# What the browser gets
-
-
-def test_the_scene_is_plain_data_with_bytes(world):
+def test_the_scene_is_plain_data_with_bytes_in_which_the_robots_corners_are_those_of_its_shapes(world):
     found = []
 
     def plain(value):
@@ -105,11 +84,6 @@ def test_the_scene_is_plain_data_with_bytes(world):
     assert len(json.dumps(scene, default=plain, allow_nan=False)) < 30_000
     assert len(found) == len(world.scene.walls) + 2 and sum(found) < 150_000
     assert list(scene["presets"]) == list(PRESETS)
-
-
-def test_the_robots_corners_in_the_message_are_those_of_its_shapes(world):
-    from nao_course.widgets.world.shells import shells
-
     robot = world.scene.data()["robot"]
     corners = np.frombuffer(robot["corners"], dtype="<i2").reshape(len(shells()), -1, 3) * robot["unit"]
     for shape, mine in zip(shells(), corners, strict=True):
@@ -144,16 +118,13 @@ def test_the_ellipses_in_the_message_have_the_outlines_of_the_maps():
     np.testing.assert_allclose(drawn, wanted, atol=2e-4)
 
 
-def test_a_reader_who_moves_the_view_moves_it_for_the_picture_too(world):
+def test_a_reader_who_moves_the_view_moves_it_for_the_picture_too_and_without_webgl_there_are_pictures(world):
     world.view_from("behind")
     moved = {**world.widget.viewpoint, "azimuth": 1.25, "distance": 3.0}
     world.widget.viewpoint = moved
     assert world.viewpoint == Viewpoint(1.25, 0.36, 3.0, tuple(moved["target"]), follows=True)
     world.view_from("above")
     assert world.widget.viewpoint["follows"] is False
-
-
-def test_a_browser_without_webgl_gets_pictures(world):
     world.update(POSE, None)
     assert world.widget.still == b""
     world.widget.needs_still = True
@@ -162,9 +133,6 @@ def test_a_browser_without_webgl_gets_pictures(world):
     world.update(Pose(1.5, 0.0, 1.0))
     assert world.widget.still != first
     world.widget.needs_still = False
-
-
-# The picture
 
 
 def test_where_no_widget_lives_there_is_a_picture_with_a_text(world):
@@ -203,7 +171,7 @@ def test_each_viewpoint_shows_the_robot(preset):
     assert abs(np.median(rows) - row) < 12 and abs(np.median(columns) - column) < 12
 
 
-def test_colours_are_where_the_geometry_puts_them():
+def test_colours_are_where_the_geometry_puts_them_and_a_nearer_surface_hides_a_farther_one():
     view = WorldView(size=(160, 100), viewpoint="above")
     green, white = view.pixels[pixel_of(view, (1.0, 1.0, 0.0))], view.pixels[pixel_of(view, (0.0, 1.2, 0.0))]
     assert green[1] > green[0] + 40 and green[1] > green[2] + 30
@@ -211,9 +179,6 @@ def test_colours_are_where_the_geometry_puts_them():
     far = WorldView(Field(pose=Pose(10.0, 5.0, np.pi / 2)), size=(160, 100), viewpoint="above")
     # The field frame's y axis points along -x of the world now.
     assert far.pixels[pixel_of(far, (10.0 - 1.2, 5.0, 0.0))].min() > 150
-
-
-def test_a_nearer_surface_hides_a_farther_one():
     canvas = Canvas((np.array([3.0, 0.0, 0.5]), np.array([0.0, 0.0, 0.5])), (80, 60))
 
     def square(x, size):
@@ -229,13 +194,19 @@ def test_a_nearer_surface_hides_a_farther_one():
     assert np.array_equal(canvas.pixels[20:40, 30:50], before[20:40, 30:50])
 
 
-def test_a_picture_stands_in_the_view_cone_and_faces_the_robot(world):
+def test_a_picture_stands_in_the_view_cone_and_impossible_views_are_refused(world):
     view = WorldView(size=(320, 200))
     view.update(POSE, head=(0.0, 0.0), pictures={"bottom": PICTURE})
     frame = cameras(view.scene, view.contents, POSE, (0.0, 0.0))["bottom"]
     middle = frame[:3, 3] + 0.34 * frame[:3, 0]
     shown = view.pixels[pixel_of(view, middle)]
     assert abs(shown.astype(int) - PICTURE[0, 0]).max() < 40
+    with pytest.raises(ValueError, match="'behind', 'above', 'goal'"):
+        WorldView(viewpoint="below")
+    with pytest.raises(ValueError, match="source must be one of"):
+        WorldView(source="gps")
+    with pytest.raises(ValueError, match="2 or 3 coordinates"):
+        Ray((1.0,))
 
 
 @pytest.mark.parametrize("camera", ["top", "bottom"])
@@ -247,12 +218,3 @@ def test_the_mesh_of_a_picture_has_the_rays_of_the_lens(world, camera):
     pixels = view.project(view.position + seen).reshape(GRID[1], GRID[0], 2)
     np.testing.assert_allclose(pixels[0, 0], [-0.5, -0.5], atol=1e-6)
     np.testing.assert_allclose(pixels[-1, -1], [319.5, 239.5], atol=1e-6)
-
-
-def test_impossible_views_are_refused():
-    with pytest.raises(ValueError, match="'behind', 'above', 'goal'"):
-        WorldView(viewpoint="below")
-    with pytest.raises(ValueError, match="source must be one of"):
-        WorldView(source="gps")
-    with pytest.raises(ValueError, match="2 or 3 coordinates"):
-        Ray((1.0,))
