@@ -71,9 +71,7 @@ def named(name: str, *files: tuple[str, bytes | str]) -> Attack:
 
 def zipped(name: str, data: bytes, says: str = "") -> Attack:
     """A zip that is handed in: refused where it says why."""
-    return put(
-        name, {} if says else all_but(), lambda folder: (folder / f"{LESSON}.zip").write_bytes(data), says
-    )
+    return put(name, {} if says else all_but(), lambda to: (to / f"{LESSON}.zip").write_bytes(data), says)
 
 
 def large(
@@ -223,15 +221,8 @@ FOLDER = "work/" + FILE
 ROOT_READS = hasattr(os, "geteuid") and os.geteuid() == 0
 TEXTS = tuple((f"{at:04}.txt".encode(), b"x") for at in range(2001))
 LIBRARIES = (
-    "numpy",
-    "nao_course",
-    "json",
-    "sitecustomize",
-    "IPython",
-    "encodings",
-    "conftest",
-    "__init__",
-    "__main__",
+    *("numpy", "nao_course", "json", "sitecustomize", "IPython"),
+    *("encodings", "conftest", "__init__", "__main__"),
 )
 FILES = (
     put("a_200_mb_notebook", {}, sparse, "larger than 50 MB"),
@@ -296,15 +287,8 @@ UNKNOWN: Mapping[str, tuple[bytes, str]] = {
 # Names of students in a learning platform's zip: all must get a row, a page and their points, and none another's.
 NAMES = (
     *("Ada", "ada", "ADA", "Ada Lovelace", "Müller, Jürgen", "Mu\u0308ller", "李小龙", "🤖", "\u202eada"),
-    *(
-        "<script>nao_attack</script>",
-        "ada\x1b[2Jnao_attack",
-        "ada\nnao_attack",
-        "[bold]ada[/bold]",
-        "[/]",
-        "100%",
-    ),
-    *("=HYPERLINK(1)", "con", "nul.txt", "a" * 300, "a" * 299 + "b", "ada'; DROP TABLE results; --"),
+    *("[bold]ada[/bold]", "[/]", "100%", "=HYPERLINK(1)", "con", "nul.txt", "a" * 300, "a" * 299 + "b"),
+    *("<script>nao_attack</script>", "ada\x1b[2Jnao_attack", "ada\nnao_attack", "a'; DROP TABLE results;"),
 )
 
 # --- notebooks that are odd in one place ---
@@ -403,9 +387,7 @@ def of_each(**changes: Any) -> Edit:
 MUCH = "x" * (3 * 2**20)
 PRINTED = {"output_type": "stream", "name": "stdout", "text": "x"}
 WRITTEN = {"nbgrader": {"grade_id": "why", "grade": True, "solution": True, "points": 2}}
-COMMANDS = (
-    "%cd /\n!rm -rf *\n%run /etc/passwd\n%load_ext nao_attack\nget_ipython().system('id')\n%reset -f\nx = 1"
-)
+COMMANDS = "%cd /\n!rm -rf *\n%run /etc/passwd\n%load_ext nao\nget_ipython().system('id')\n%reset -f\nx = 1"
 INTERRUPTED = {"output_type": "error", "ename": "KeyboardInterrupt", "evalue": "", "traceback": []}
 HALF = {"lesson": "\ud800", "version": "\udfff"}
 ODD_FILES = (

@@ -186,8 +186,7 @@ LOOPS = (
     free("sleeps_at_import", "loops", first="nap = time.sleep(1e6)\n", says="no answer within 2 s"),
     Attack("sleeps_at_import_seven_times", "loops", {},
            before="import time\n" + "\n".join(f"nap{number} = time.sleep(1e6)" for number in range(7))),
-    free("loop_at_exit", "loops",
-         first="@atexit.register\ndef forever():\n    while True: pass\n"),
+    free("loop_at_exit", "loops", first="@atexit.register\ndef forever():\n    while True: pass\n"),
     in_clamp("loop_in_a_destructor", "loops", ANSWER.replace("return ", "left = D()\nreturn "),
              "class D:\n    def __del__(self):\n        while True: pass\n"),
     in_clamp("loop_in_the_text_of_an_error", "loops", "raise Endless",
@@ -228,8 +227,7 @@ ENDS = (
         "becomes_another_program": "os.execv(sys.executable, [sys.executable, '-c', '0'])",
         "closes_every_descriptor": "os.closerange(0, 4096)\nreturn 0.5",
         "raises_a_keyboard_interrupt": ("raise KeyboardInterrupt", "KeyboardInterrupt"),
-        "exceptions_in_a_circle":
-            "a, b = ValueError(1), KeyError(2)\na.__cause__, b.__cause__ = b, a\nraise a",
+        "exceptions_in_a_circle": "a, b = ValueError(1), KeyError(2)\na.__cause__, b.__cause__ = b, a\nraise a",
         "ends_in_hidden_cases_only": f"if abs(x) > 3: os._exit(0)\n{ANSWER}",
         "puts_one_descriptor_over_all_others": """
             here = os.open('.', os.O_RDONLY)
@@ -248,8 +246,7 @@ ENDS = (
             resource.setrlimit(resource.RLIMIT_CPU, (0, 0))
             while True: pass""",
     }),
-    free("exit_of_os_at_import", "ends", first="gone = os._exit(0)\n",
-         says="ended itself with status 0"),
+    free("exit_of_os_at_import", "ends", first="gone = os._exit(0)\n", says="ended itself with status 0"),
     in_clamp("forks_in_a_destructor_and_goes", "ends", "left = D()\nreturn -1e6",
              "class D:\n    def __del__(self):\n        if os.fork(): os._exit(0)\n"),
 )  # fmt: skip
@@ -289,11 +286,9 @@ HOGS = (
             while True: pass""",
         "file_of_10_gb": (
             "with open('large', 'wb') as file:\n    for _ in range(10_000): file.write(bytes(2**20))", "OSError"),
-        "file_of_10_gb_with_nothing_in_it":
-            "os.truncate(os.open('large', 65), 10 * 2**30)\nreturn 0.5",
+        "file_of_10_gb_with_nothing_in_it": "os.truncate(os.open('large', 65), 10 * 2**30)\nreturn 0.5",
         "a_million_files": ("for number in range(10**6):\n    open(f'{number}', 'w').close()", "OSError"),
-        "folders_in_folders": (
-            "while True:\n    os.mkdir('d' * 200)\n    os.chdir('d' * 200)", "It raises "),
+        "folders_in_folders": ("while True:\n    os.mkdir('d' * 200)\n    os.chdir('d' * 200)", "It raises "),
         "all_descriptors": ("pipes = []\nwhile True: pipes.append(os.pipe())", "OSError"),
         "sends_descriptors_to_the_grader": CHANNEL.format(
             "[socket.send_fds(channel, [b'N'], list(os.pipe()) * 9) for _ in range(50)]"),
@@ -618,8 +613,7 @@ UNKNOWN_LIARS = {
 FRAMES = {  # values that no encoder makes
     "a_function_that_is_not_registered": '{"u":"os:system"}',
     "a_pose_of_nothing": '{"o":"nao_course.geometry:Pose","v":{"x":{"f":"nan"}}}',
-    "a_sparse_matrix_of_the_largest_shape": (
-        '{"q":"coo_array","shape":[1000000000,1000000000],"parts":['
+    "a_sparse_matrix_of_the_largest_shape": ('{"q":"coo_array","shape":[1000000000,1000000000],"parts":['
         '{"a":"<f8","shape":[0],"b":0},{"a":"<i4","shape":[0],"b":0},{"a":"<i4","shape":[0],"b":0}]}'),
     "a_shape_that_overflows": '{"a":"<f8","shape":[4294967296,4294967296],"b":0}',
     "nan_and_infinity": "[NaN, Infinity, 1e999]",
@@ -640,10 +634,8 @@ SAID = {  # messages in place of an answer
     "half_a_character_in_an_error":
         r"""answered(outcome(text='"\\ud800 nao\\u0000 \\udfff"', line='"line 1: \\ud800"', status='raised'))""",
     "says_that_it_timed_out": "answered(outcome(status='timed out'))",
-    "says_that_it_died":
-        "answered(outcome(status='died', text='\"the process was ended by signal 9 (Killed)\"'))",
-    "says_that_it_cannot_send_markup":
-        "answered(outcome(status='unsendable', text='\"<b id=nao_attack>\"'))",
+    "says_that_it_died": "answered(outcome(status='died', text='\"the process was ended by signal 9 (Killed)\"'))",
+    "says_that_it_cannot_send_markup": "answered(outcome(status='unsendable', text='\"<b id=nao_attack>\"'))",
     "says_that_it_has_many_errors":
         "answered(encode(Outcome('raised', text='ValueError', errors=('ValueError',) * 150_000)))",
 }  # fmt: skip
@@ -723,8 +715,7 @@ ANSWERS = (
         "says_that_it_is_unsafe": ("said = loop.say(encode(('unsafe', 'the sandbox is broken')))", UNREADABLE),
         "says_something_else_at_import":
             ("said = [loop.say(encode(each)) for each in (None, 'ready', ('at', 1))]", UNREADABLE),
-        "says_an_array_where_a_word_belongs":
-            ("said = loop.say(encode((np.zeros(3), 1, 2)))", UNREADABLE),
+        "says_an_array_where_a_word_belongs": ("said = loop.say(encode((np.zeros(3), 1, 2)))", UNREADABLE),
     }, honest=ALL),
     *table(loading, "answers", {
         "says_itself_what_it_defines": """
@@ -759,8 +750,7 @@ READS = (
         "lists_the_submissions": ("loot = bool(os.listdir('@SUBMISSIONS@'))", "os.listdir"),
         "reads_the_grader": "import nao_course.instructor.autograding.grader\nloot = True",
         "reads_through_a_link": "os.symlink('@SOLUTION@', 'mine')\n" + _opening("'mine'"),
-        "reads_through_a_program":
-            "loot = bool(subprocess.check_output(['cat', '@SOLUTION@']))",
+        "reads_through_a_program": "loot = bool(subprocess.check_output(['cat', '@SOLUTION@']))",
         "numpy_reads_the_secret": "loot = np.fromfile('@SECRET@', dtype='u1').size > 0",
         "reads_by_another_interpreter": """
             import _xxsubinterpreters as interpreters
@@ -778,8 +768,7 @@ READS = (
                 except OSError:
                     continue
                 loot = loot or not stat.S_ISSOCK(kind)""",
-        "looks_into_shared_memory":
-            "loot = os.path.isdir('/dev/shm') and bool(os.listdir('/dev/shm') or True)",
+        "looks_into_shared_memory": "loot = os.path.isdir('/dev/shm') and bool(os.listdir('/dev/shm') or True)",
         "leaves_something_in_shared_memory": """
             from multiprocessing import shared_memory
             shared_memory.SharedMemory('nao_attack', True, 100)
@@ -868,21 +857,18 @@ WRITES = (
         "overwrites_what_anyone_may": "open('@OPEN@/anyones.txt', 'w').write('after')\nloot = True",
         "deletes_what_anyone_may": ("os.remove('@OPEN@/anyones.txt')\nloot = True", "os.remove"),
         "changes_permissions": ("os.chmod('@OPEN@/anyones.txt', 0o777)\nloot = True", "os.chmod"),
-        "renames_another_submission":
-            "os.rename('@NEIGHBOUR@', '@OPEN@/nao_attack')\nloot = True",
+        "renames_another_submission": "os.rename('@NEIGHBOUR@', '@OPEN@/nao_attack')\nloot = True",
         "deletes_the_submissions": ("shutil.rmtree('@SUBMISSIONS@')\nloot = True", "rmtree"),
         "deletes_the_journal": "os.remove('@GRADES@/journal.sqlite')\nloot = True",
         "edits_a_library": "open(np.__file__, 'a').write('x')\nloot = True",
-        "writes_through_a_link":
-            "os.symlink('@OPEN@', 'out')\nopen('out/nao_attack', 'w').close()\nloot = True",
+        "writes_through_a_link": "os.symlink('@OPEN@', 'out')\nopen('out/nao_attack', 'w').close()\nloot = True",
         "runs_a_program_of_its_own": r"""
             open('own', 'w').write('#!/bin/sh\n')
             os.chmod('own', 0o4777)
             subprocess.check_call(['./own'])
             loot = True""",
         "becomes_root": "os.setuid(0)\nloot = True",
-        "makes_a_device":
-            "os.mknod('disk', 0o666 | stat.S_IFBLK, os.makedev(8, 0))\nloot = True",
+        "makes_a_device": "os.mknod('disk', 0o666 | stat.S_IFBLK, os.makedev(8, 0))\nloot = True",
         "writes_to_the_kernel": """
             for path in ('/proc/sysrq-trigger', '/proc/sys/kernel/core_pattern', '/proc/self/oom_score_adj'):
                 with suppress(OSError):
@@ -899,8 +885,7 @@ WRITES = (
             else:
                 call('syscall', 56, 0x10000000 | 17, 0, 0, 0, 0)
                 loot = True""",
-        "goes_back_to_the_first_namespace":
-            "call('setns', os.open('/proc/1/ns/mnt', 0), 0)\nloot = True",
+        "goes_back_to_the_first_namespace": "call('setns', os.open('/proc/1/ns/mnt', 0), 0)\nloot = True",
         "gets_its_capabilities_back": """
             call('capset', struct.pack('<Ii', 0x20080522, 0), b'\\xff' * 24)
             loot = True""",
@@ -936,8 +921,7 @@ NETWORK = (
         "sends_by_udp": (_sending("2, 2", "('127.0.0.1', @UDP@)"), "socket"),
         "unix_socket": _sending("1, 1", "'@UNIX@'"),
         "abstract_socket": _sending("1, 1", "'\\0@ABSTRACT@'"),
-        "asks_for_a_name":
-            ("loot = bool(socket.getaddrinfo('example.com', 80))", "getaddrinfo"),
+        "asks_for_a_name": ("loot = bool(socket.getaddrinfo('example.com', 80))", "getaddrinfo"),
         "listens": ("socket.create_server(('127.0.0.1', 0))\nloot = True", "socket"),
         "netlink": ("socket.socket(16, 3, 0)\nloot = True", "family 16"),
         "raw_socket": ("socket.socket(2, 3, 1)\nloot = True", "family 2"),
@@ -1024,8 +1008,7 @@ LOOKS = (
             raise KeyError(x)""",
         "messages_without_width": r"""
             raise ValueError('a' + '\u200b\u200d\ufeff\u2060\u00ad\U000e0041' * 50 + '\u0338' * 500 + '\x1b[2J')""",
-        "variables_that_play_tricks":
-            "raise type('\\u202enao\\x1b[2J<b id=nao_attack>', (Exception,), {})('x')",
+        "variables_that_play_tricks": "raise type('\\u202enao\\x1b[2J<b id=nao_attack>', (Exception,), {})('x')",
     }),
     *table(tells, "looks", {
         "an_error": ("raise ValueError(leak(x))", "It raises ValueError"),
@@ -1036,18 +1019,14 @@ LOOKS = (
             error.__cause__ = KeyError(f'{x:.6f}')
             raise ExceptionGroup(f'{x:.6f}', [error])""",
         "a_missing_name": "exec(f'x_{int(abs(x) * 1e3)}')",
-        "the_place_of_a_syntax_error":
-            "raise SyntaxError(f'{x:.6f}', (f'{x:.6f}.py', int(abs(x)), 7, f'{x:.6f}'))",
-        "a_files_name_and_line":
-            "exec(compile('\\n' * int(abs(x)) + 'raise ValueError', f'{x:.6f}.py', 'exec'))",
+        "the_place_of_a_syntax_error": "raise SyntaxError(f'{x:.6f}', (f'{x:.6f}.py', int(abs(x)), 7, f'{x:.6f}'))",
+        "a_files_name_and_line": "exec(compile('\\n' * int(abs(x)) + 'raise ValueError', f'{x:.6f}.py', 'exec'))",
         "its_own_name": "clamp.__name__ = clamp.__qualname__ = f'n{x:.6f}'; raise ValueError",
         "a_warning": "warnings.warn(f'{x:.6f}'); return -1e6",
         "print": "print(leak(x)); return leak(x)",
-        "an_error_in_a_thread":
-            "threading.Thread(target=exec, args=[f'1/0#{x:.6f}']).start(); return -1e6",
+        "an_error_in_a_thread": "threading.Thread(target=exec, args=[f'1/0#{x:.6f}']).start(); return -1e6",
         "a_shape": ("return [0.0] * int(abs(x) * 100)", "wrong shape"),
-        "the_number_of_dimensions":
-            ("return np.zeros((1,) * (5 + int(abs(x)) % 27))", "many dimensions instead of 0"),
+        "the_number_of_dimensions": ("return np.zeros((1,) * (5 + int(abs(x)) % 27))", "many dimensions instead of 0"),
         "a_types_name": "return type(f'N{x:.6f}', (), {'__module__': f'm{x:.6f}'})()",
         "a_type_of_an_array": "return np.zeros(int(abs(x)) % 60, f'S{int(abs(x)) + 1}')",
         "a_fields_name": "return np.zeros(1, [(f'f{x:.6f}', 'f8')])",
@@ -1197,8 +1176,7 @@ METADATA = (
     Attack("edits_the_set_up", "metadata", ALL, edit=_own_set_up),
     Attack("says_it_is_another_lesson", "metadata", ALL, edit=_stamp(lesson=REAL),
            says="the notebook says that it is lesson"),
-    Attack("says_it_is_another_release", "metadata", ALL, edit=_stamp(version="9" * 10**5),
-           says="made from release"),
+    Attack("says_it_is_another_release", "metadata", ALL, edit=_stamp(version="9" * 10**5), says="made from release"),
     Attack("stamp_that_is_none", "metadata", ALL, edit=_stamp(lesson=["x"], version={"y": 1})),
     Attack("letter_that_looks_the_same", "metadata", all_but("clamp"),
            {"clamp": RIGHT["clamp"].replace("clamp", "\u0441lamp")}),

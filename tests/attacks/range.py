@@ -42,7 +42,7 @@ from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult, as_json
 from nao_course.instructor.sandbox.layers import LEVELS
 from tests.paths import PROJECT
-from tests.toy import pair
+from tests.toy import chain, pair
 from tests.toy.chain import stamp
 
 LESSON, REAL = "91_range", "01_hsl_filtering"
@@ -132,9 +132,8 @@ class Attack:
     hides: tuple[str, ...] = ()  # is not on the student's page
     refused: bool = False  # it gets a reason instead of a score
     lesson: str = LESSON
-    races: bool = (
-        False  # with the process that it runs in, so that it may lose points that it states as honest
-    )
+    # with the process that it runs in, so that it may lose points that it states as honest
+    races: bool = False
 
 
 def all_but(*names: str, **points: float) -> dict[str, float]:
@@ -147,17 +146,8 @@ def all_but(*names: str, **points: float) -> dict[str, float]:
 
 def cell(source: str, name: str = "", role: str = "") -> dict[str, Any]:
     """A code cell; with a name, an exercise's."""
-    grading = {"schema_version": 3, "grade_id": name, "solution": True, "grade": False, "locked": False}
-    metadata: dict[str, Any] = {"nbgrader": grading} if name else {}
-    metadata |= {"nao_course": {"role": role}} if role else {}
-    whole = {
-        "cell_type": "code",
-        "metadata": metadata,
-        "source": source,
-        "outputs": [],
-        "execution_count": None,
-    }
-    return whole | {"id": "c" + hashlib.sha256(f"{name}{source}".encode("utf-8", "replace")).hexdigest()[:10]}
+    number = hashlib.sha256(f"{name}{source}".encode("utf-8", "replace")).hexdigest()[:10]
+    return chain.cell("code", source, chain.grading(name) if name else None, role) | {"id": f"c{number}"}
 
 
 def notebook(attack: Attack, right: Mapping[str, str] | None = None, setup: str = SETUP) -> dict[str, Any]:
@@ -283,9 +273,8 @@ class Range:
     root: Path  # an empty folder
     seconds: float = SECONDS  # wall clock of a call
     off: Sequence[str] = ()  # layers of the sandbox to do without: to see attacks succeed
-    user: int | None = (
-        None  # who grades, and owns all of it: for attacks that would harm this user without layers
-    )
+    # who grades, and owns all of it: for attacks that would harm this user without layers
+    user: int | None = None
     most_seconds: float = 3600.0  # after which the command is ended
     jobs: int = 2
 
@@ -363,9 +352,7 @@ class Range:
             before = self.state()
             ended = self.command(Path(listeners.names["UNIX"]).parent)
             after = self.state()
-            changed = sorted(
-                name for name in before.keys() | after.keys() if before.get(name) != after.get(name)
-            )
+            changed = sorted(each for each in before | after if before.get(each) != after.get(each))
             return Graded(*ended, *self.kept(), students, changed, listeners.heard())
 
     def command(self, *folders: Path) -> tuple[int, float, list[Any], str, int]:
@@ -377,9 +364,8 @@ class Range:
         words = ["grade", self.submissions, "--out", self.grades, "--jobs", self.jobs]
         words += [] if self.off else ["--require-sandbox", LEVELS[-1]]
         told = [_COMMAND, ",".join(self.off), self.seconds, *words]
-        options = json.dumps(
-            {"seconds": self.most_seconds, "user": self.user, "folders": [str(self.root), *map(str, folders)]}
-        )
+        seen = [str(each) for each in (self.root, *folders)]
+        options = json.dumps({"seconds": self.most_seconds, "user": self.user, "folders": seen})
         runner = [
             sys.executable,
             "-m",
@@ -454,20 +440,16 @@ def lined_up(attacks: Sequence[Attack]) -> dict[str, Attack]:
 
 def honest(attack: Attack, kind: str) -> Attack:
     """An honest neighbour of an attack: all right, or half right."""
-    wrong = {
-        LESSON: HALF,
-        REAL: {"hue_mask": "def hue_mask(hue, low, high):\n    return hue > low"},
-        pair.SECOND: {"alone": "def alone(x):\n    return x"},
-    }[attack.lesson]
+    real = {"hue_mask": "def hue_mask(hue, low, high):\n    return hue > low"}
+    second = {"alone": "def alone(x):\n    return x"}
+    wrong = {LESSON: HALF, REAL: real, pair.SECOND: second}[attack.lesson]
     return Attack(kind, "honest", functions=wrong if kind == "half" else {}, lesson=attack.lesson)
 
 
 def honest_points(attack: Attack, kind: str) -> dict[str, float]:
     """What that neighbour earns."""
     if attack.lesson == LESSON:
-        return (
-            {name: float(worth) for name, worth in POINTS.items()} if kind == "right" else dict(HALF_POINTS)
-        )
+        return all_but() if kind == "right" else dict(HALF_POINTS)
     every, wrong = {REAL: (REAL_POINTS, "hue_mask"), pair.SECOND: (LATER_POINTS, "alone")}[attack.lesson]
     return {name: float(worth) for name, worth in every.items() if kind == "right" or name != wrong}
 
@@ -485,12 +467,8 @@ def told(result: SubmissionResult) -> str:
 
 def hidden_numbers(assignment: Assignment) -> set[str]:
     """The beginnings of all hidden numbers: five digits."""
-    values = [
-        case.args[0] for task in assignment.tasks for case in task.hidden if task.public.name != "drawn"
-    ]
-    numbers = [
-        number for value in values for number in ([value] if isinstance(value, float) else value.ravel())
-    ]
+    cases = [case for task in assignment.tasks for case in task.hidden if task.public.name != "drawn"]
+    numbers = [number for case in cases for number in np.ravel(case.args[0])]
     return {f"{abs(number):.3f}"[:6] for number in numbers if abs(number) >= 10}
 
 
@@ -517,9 +495,7 @@ def ranges() -> Iterator[Callable[..., Range]]:
     with ExitStack() as stack:
 
         def make(**more: Any) -> Range:
-            folder = stack.enter_context(
-                tempfile.TemporaryDirectory(prefix="nao_range_", ignore_cleanup_errors=True)
-            )
-            return Range(Path(folder), **more)
+            made = tempfile.TemporaryDirectory(prefix="nao_range_", ignore_cleanup_errors=True)
+            return Range(Path(stack.enter_context(made)), **more)
 
         yield make

@@ -76,7 +76,7 @@ FAILING = {"one score": (LatePolicy, "lateness"), "one page": (feedback, "feedba
 
 @pytest.mark.parametrize("failing", FAILING)
 @pytest.mark.parametrize("command", ["report", "export --format csv", "export --format moodle"])
-def test_a_students_work_that_fails_is_listed_and_all_other_work_is_done(
+def test_work_that_fails_is_listed_and_all_other_work_is_done(
     grades, tmp_path, monkeypatch, failing, command
 ):
     owner, name = FAILING[failing]
@@ -182,9 +182,7 @@ def test_a_request_is_open_until_a_person_answers_it_on_the_page(grades, tmp_pat
     )
 
 
-def test_a_changed_request_replaces_the_open_one_and_an_unreadable_one_stays_until_it_is_mended(
-    grades, tmp_path
-):
+def test_a_changed_request_replaces_the_open_one_and_an_unreadable_one_stays(grades, tmp_path):
     ask(tmp_path / "in", "ada", "rgb_to_hsl: first\nrgb_to_hs: second")
     said = run("requests", grades, tmp_path / "in", status=1)
     assert "NOT READ: ada: 'rgb_to_hs: second' (is it rgb_to_hsl?)" in said and "1 open request:" in said

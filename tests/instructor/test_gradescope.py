@@ -61,11 +61,14 @@ def test_the_zip_does_not_hold_the_instructors_secret_and_is_the_same_each_time(
     assert other.read_bytes() != archive.read_bytes()
 
 
-def test_a_lesson_that_is_not_built_has_no_autograder(course, tmp_path):
+def test_where_nothing_hides_the_solution_nothing_is_graded(tmp_path, course, monkeypatch):
+    monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("limits", True),)))
+    with pytest.raises(RuntimeError, match="a submission could read the solution.*landlock"):
+        gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
+    assert not (tmp_path / "results").exists()
     shutil.copytree(PROJECT / "solutions", tmp_path / "solutions")
-    bare = Course(tmp_path, "t", "1")
     with pytest.raises(LessonError, match="there is no course.toml.*run `nao-course build` first"):
-        gradescope.write_autograder(bare, "00", b"x" * 16, tmp_path)
+        gradescope.write_autograder(Course(tmp_path, "t", "1"), "00", b"x" * 16, tmp_path)
 
 
 @posix
@@ -174,21 +177,11 @@ def test_where_the_grader_itself_fails_there_is_no_score(tmp_path, course, monke
     assert list(write.iterdir()) == []
 
 
-def test_where_nothing_hides_the_solution_nothing_is_graded(tmp_path, course, monkeypatch):
-    monkeypatch.setattr(gradescope, "probe", lambda: sandbox.Sandbox((sandbox.Layer("limits", True),)))
-    with pytest.raises(RuntimeError, match="a submission could read the solution.*landlock"):
-        gradescope.grade_submission(tmp_path, course, "00_meet_the_nao")
-    assert not (tmp_path / "results").exists()
-
-
 def test_extensions_name_students_and_do_not_go_to_gradescope():
     text = 'title = "x"\n[late]\nper_day = 0.1\n [extensions."Ada [1]"]\n01 = 2026-11-27T00:00:00Z\n[points]\na = 2\n'
-    assert "Ada" not in gradescope.without_extensions(text)
-    assert tomllib.loads(gradescope.without_extensions(text)) == {
-        "title": "x",
-        "late": {"per_day": 0.1},
-        "points": {"a": 2},
-    }
+    left = gradescope.without_extensions(text)
+    assert "Ada" not in left
+    assert tomllib.loads(left) == {"title": "x", "late": {"per_day": 0.1}, "points": {"a": 2}}
     assert gradescope.without_extensions('title = "x"\n') == 'title = "x"\n'
     with pytest.raises(LessonError, match="so that they can be left out"):
         gradescope.without_extensions("extensions.Ada.01 = 2026-11-27T00:00:00Z\n")

@@ -53,7 +53,7 @@ def test_each_student_has_own_numbers_which_are_kept(asking, tmp_path):
     assert PersonalNumbers(asking, path)("01_toy", "say_why", "ada") == found["ada"]
 
 
-def test_other_questions_have_none_and_a_damaged_file_is_no_problem(asking, tmp_path):
+def test_other_questions_have_none_and_an_assignment_has_no_code_of_the_question(asking, tmp_path):
     path = tmp_path / "numbers.json"
     path.write_bytes(b"{")
     numbers = PersonalNumbers(asking, path)
@@ -61,6 +61,9 @@ def test_other_questions_have_none_and_a_damaged_file_is_no_problem(asking, tmp_
     assert not numbers.needs("99_gone", "say_why") and numbers("99_gone", "say_why", "ada") == {}
     numbers.compute([result("ada", answer(name="other"))])
     assert path.read_bytes() == b"{"
+    assignment = prepare(asking, "01_toy", b"0123456789abcdef")
+    (question,) = pickle.loads(pickle.dumps(assignment)).written
+    assert question.name == "say_why" and question.numbers is None
 
 
 def test_the_names_in_the_copies_may_differ_from_the_gradebook(asking, tmp_path):
@@ -72,9 +75,3 @@ def test_the_names_in_the_copies_may_differ_from_the_gradebook(asking, tmp_path)
     path.write_text("name\nada\n", encoding="utf-8")
     with pytest.raises(TableError):
         read_worlds(path)
-
-
-def test_an_assignment_has_no_code_of_the_question_and_can_be_sent(asking):
-    assignment = prepare(asking, "01_toy", b"0123456789abcdef")
-    (question,) = pickle.loads(pickle.dumps(assignment)).written
-    assert question.name == "say_why" and question.numbers is None

@@ -1,4 +1,4 @@
-"""From declaration to grade: a small lesson with camera views, an earlier function, a class and a matrix."""
+"""From declaration to grade: a small lesson with an earlier function, a class and a matrix."""
 
 import json
 import os
@@ -15,7 +15,7 @@ from nao_course.instructor.gradebook.journal import Journal
 from tests.toy import small
 
 pytestmark = pytest.mark.slow
-NAMES = ("pixel_to_ground", "to_measurements", "green_by_row", "Odometer", "length_of_way", "smoothing")
+NAMES = ("green_by_row", "Odometer", "length_of_way", "smoothing")
 
 
 def run(root, *words):

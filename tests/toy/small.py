@@ -1,7 +1,8 @@
-"""Two small lessons with all that later lessons need: camera views, classes, earlier functions, matrices."""
+"""Two small lessons with all that later lessons need: classes, earlier functions, matrices."""
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -11,40 +12,35 @@ from tests.paths import PROJECT
 COLOURS, SMALL = "01_colours", "04_small"
 
 
-def _cell(kind: str, name: str, source: str) -> str:
-    return f"```{{code-cell}} ipython3\n:{kind}: {name}\n\n{source.strip()}\n```\n"
+def _cell(option: str, source: str) -> str:
+    return f"```{{code-cell}} ipython3\n:{option}\n\n{source.strip()}\n```\n"
 
 
-def _exercise(name: str, source: str) -> str:
-    check = f'check("{name}", {name})'
-    return f"{_cell('exercise', name, source)}\n{_cell('check', name, check)}"
+def _text(title: str, setup: str, *sources: str) -> str:
+    """Return a lesson's text: its set-up cell, and the cells of each exercise and of its check."""
+    parts = [f"\n# {title}\n", _cell("role: setup", setup)]
+    for source in sources:
+        name = re.findall(r"(?:def|class) (\w+)", source)[0]
+        parts += [_cell(f"exercise: {name}", source), _cell(f"check: {name}", f'check("{name}", {name})')]
+    return "\n".join(parts)
 
 
-COLOURS_TEXT = "\n".join(
-    (
-        "\n# Colours\n",
-        _cell(
-            "role",
-            "setup",
-            """
+COLOURS_TEXT = _text(
+    "Colours",
+    """
 import numpy as np
 
 from nao_course.exercises import lesson
 
 check, hint = lesson("01_colours")
 """,
-        ),
-        _exercise(
-            "color_labels",
-            '''
+    '''
 def color_labels(picture: np.ndarray) -> np.ndarray:
     """Label 1 where green is the largest channel, else 0."""
     ### BEGIN SOLUTION
     return (np.argmax(picture, axis=2) == 1).astype(np.uint8)
     ### END SOLUTION
 ''',
-        ),
-    )
 )
 
 COLOURS_PLAN = """
@@ -57,63 +53,27 @@ def _pictures(rng, many):
 
 
 PLAN = LessonPlan([Exercise(
-    name="color_labels",
-    points=1,
-    public=lambda: _pictures(np.random.default_rng(0), 2),
-    hidden=lambda rng: _pictures(rng, 3),
-    comparison=Exact(),
-    hints=("Which channel is the largest?", "np.argmax with axis=2."),
-    mistakes=[Mistake("red", lambda p: (np.argmax(p, axis=2) == 0).astype(np.uint8), "Channel 0 is red.")],
-    alternatives={"a wider type": lambda p: (np.argmax(p, axis=2) == 1).astype(np.int64)},
+    "color_labels", 1, lambda: _pictures(np.random.default_rng(0), 2), lambda rng: _pictures(rng, 3),
+    ("Which channel is the largest?", "np.argmax with axis=2."),
+    [Mistake("red", lambda p: (np.argmax(p, axis=2) == 0).astype(np.uint8), "Channel 0 is red.")],
+    {"a wider type": lambda p: (np.argmax(p, axis=2) == 1).astype(np.int64)}, Exact(),
 )], waived={"8": "a lesson of the tests"})
 """
 
-SMALL_TEXT = "\n".join(
-    (
-        "\n# Distance, small\n",
-        _cell(
-            "role",
-            "setup",
-            """
+SMALL_TEXT = _text(
+    "Distance, small",
+    """
 import numpy as np
 
 from nao_course.exercises import lesson
 from nao_course.geometry import Pose
-from nao_course.sim import CameraView
-from nao_course.slam import Measurement, Motion
+from nao_course.slam import Motion
 from nao_course.student import earlier
 
 check, hint = lesson("04_small")
 color_labels = earlier("01:color_labels")
 """,
-        ),
-        _exercise(
-            "pixel_to_ground",
-            '''
-def pixel_to_ground(pixels: np.ndarray, view: CameraView) -> np.ndarray:
-    """Where pixels (N, 2) see the ground (N, 2), in metres in the robot frame; NaN at and above the horizon."""
-    ### BEGIN SOLUTION
-    seen = (view.undistort(pixels) - view.centre) / view.focal
-    rays = np.column_stack([np.ones(len(seen)), -seen]) @ view.rotation.T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scale = np.where(rays[:, 2] < 0, -view.height / rays[:, 2], np.nan)
-    return rays[:, :2] * scale[:, None] + view.offset
-    ### END SOLUTION
-''',
-        ),
-        _exercise(
-            "to_measurements",
-            '''
-def to_measurements(points: np.ndarray) -> np.ndarray:
-    """Bearing (rad) and range (m) of points (N, 2) of the robot frame, as (N, 2)."""
-    ### BEGIN SOLUTION
-    return np.column_stack([np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])])
-    ### END SOLUTION
-''',
-        ),
-        _exercise(
-            "green_by_row",
-            '''
+    '''
 def green_by_row(picture: np.ndarray) -> dict[int, int]:
     """How many green pixels each row has that has any, by the row's number."""
     ### BEGIN SOLUTION
@@ -121,10 +81,7 @@ def green_by_row(picture: np.ndarray) -> dict[int, int]:
     return {int(row): int(counts[row]) for row in np.flatnonzero(counts)}
     ### END SOLUTION
 ''',
-        ),
-        _exercise(
-            "Odometer",
-            '''
+    '''
 class Odometer:
     """Adds up motions from a pose, and remembers what it sees."""
 
@@ -145,10 +102,7 @@ class Odometer:
         return self.pose_now
         ### END SOLUTION
 ''',
-        ),
-        _exercise(
-            "length_of_way",
-            '''
+    '''
 def length_of_way(motions: list[Motion]) -> float:
     """Length in metres of the way that an Odometer from zero makes, from its poses."""
     ### BEGIN SOLUTION
@@ -161,10 +115,7 @@ def length_of_way(motions: list[Motion]) -> float:
     return length
     ### END SOLUTION
 ''',
-        ),
-        _exercise(
-            "smoothing",
-            '''
+    '''
 def smoothing(size: int) -> np.ndarray:
     """Covariance (size, size) with entries exp(-|i - j| / 5)."""
     ### BEGIN SOLUTION
@@ -172,8 +123,6 @@ def smoothing(size: int) -> np.ndarray:
     return np.exp(-np.abs(i[:, None] - i[None]) / 5)
     ### END SOLUTION
 ''',
-        ),
-    )
 )
 
 
@@ -196,62 +145,19 @@ SMALL_PLAN = """
 from dataclasses import replace
 
 import numpy as np
-from nao_course.exercises import (
-    All, Case, Close, Exact, Exercise, LessonPlan, Methods, Mistake, Property, calls,
-)
+from nao_course.exercises import All, Case, Close, Exact, Exercise, LessonPlan, Methods, Mistake, Property, calls
 from nao_course.geometry import Pose
 from nao_course.lessons.small.laws import is_covariance
-from nao_course.sim import NAO_V4
 from nao_course.slam import Motion
 from nao_course.student import earlier
 
 color_labels = earlier("01:color_labels")
-VIEW = NAO_V4.view("bottom", yaw=0.3, pitch=-0.2)
 
 
 def _exercise(name, public, hidden, slips, alternatives, **more):
     mistakes = [Mistake(title, function, f"That is {title}.") for title, function in slips.items()]
     hints = ("Where to look.", "Nearly how.")
     return Exercise(name, 1, public, hidden, hints, mistakes, alternatives, **more)
-
-
-def _ground(pixels, view, sign=1.0):
-    seen = (view.undistort(pixels) - view.centre) / view.focal
-    rays = np.column_stack([np.ones(len(seen)), -sign * seen[:, 0], -seen[:, 1]]) @ view.rotation.T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scale = np.where(rays[:, 2] < 0, -view.height / rays[:, 2], np.nan)
-    return rays[:, :2] * scale[:, None] + view.offset
-
-
-PIXEL_TO_GROUND = _exercise(
-    "pixel_to_ground",
-    lambda: [
-        Case((np.array([[10.0, 230.0], [160.0, 200.0], [300.0, 150.0]]), VIEW), "three pixels"),
-        Case((np.array([[160.0, -400.0], [160.0, 220.0]]), VIEW), "one above the horizon"),
-        Case((np.empty((0, 2)), VIEW), "no pixels"),
-    ],
-    lambda rng: [
-        Case((rng.uniform((0, 100), (320, 240), (8, 2)), NAO_V4.view("bottom", *rng.uniform(-0.3, 0.3, 2))))
-        for _ in range(4)
-    ] + [Case((np.array([[100.0, -500.0]]), VIEW))],
-    {"u to the left": lambda pixels, view: _ground(pixels, view, sign=-1.0)},
-    {"a list": lambda pixels, view: [list(point) for point in _ground(pixels, view)] or np.empty((0, 2))},
-    comparison=Close(atol=1e-6),
-)
-
-
-def _polar(points):
-    return np.column_stack([np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])])
-
-
-TO_MEASUREMENTS = _exercise(
-    "to_measurements",
-    lambda: [Case((np.array([[1.0, 2.0], [-3.0, -1e-9], [-1.0, 0.5]]),), "ahead and behind")],
-    lambda rng: [Case((rng.normal(0, 3, (6, 2)),)) for _ in range(4)],
-    {"range first": lambda points: _polar(points)[:, ::-1]},
-    {"once round": lambda points: _polar(points) + (2 * np.pi, 4e-4)},
-    comparison=Close(rtol=0.0, atol=(1e-6, 1e-3), period=(2 * np.pi, 0.0)),
-)
 
 
 def _pictures(rng, many):
@@ -293,7 +199,7 @@ class TurnsFirst(Added):
         super().move(replace(motion, turn=0.0))
 
 
-class Late:
+class Late(Added):
     def __init__(self, start):
         self.start, self.motions = start, []
 
@@ -301,14 +207,14 @@ class Late:
         self.motions.append(motion)
 
     def pose(self):
-        added = Added(self.start)
+        super().__init__(self.start)
         for motion in self.motions:
-            added.move(motion)
-        return added.pose()
+            super().move(motion)
+        return super().pose()
 
 
-def _walk(rng, steps=4):
-    turns = [("move", Motion(*rng.normal(0, 1, 2))) for _ in range(steps)]
+def _walk(rng):
+    turns = [("move", Motion(*rng.normal(0, 1, 2))) for _ in range(4)]
     return calls("pose", *turns[:2], "pose", *turns[2:], "pose", given=(Pose(*rng.normal(0, 2, 3)),))
 
 
@@ -347,10 +253,7 @@ SMOOTHING = _exercise(
     {"a list": lambda size: _exponential(size).tolist()},
     comparison=All((Close(mask="upper"), Property(is_covariance))),
 )
-PLAN = LessonPlan(
-    [PIXEL_TO_GROUND, TO_MEASUREMENTS, GREEN_BY_ROW, ODOMETER, LENGTH_OF_WAY, SMOOTHING],
-    waived={"8": "a lesson of the tests"},
-)
+PLAN = LessonPlan([GREEN_BY_ROW, ODOMETER, LENGTH_OF_WAY, SMOOTHING], waived={"8": "a lesson of the tests"})
 """
 
 

@@ -65,38 +65,21 @@ PLAN = LessonPlan([
 ])
 """
 RIGHT = {
-    "move": """
-def move(poses, motion):
-    return {key: pose @ motion.as_pose() for key, pose in poses.items()}
-""",
-    "scale": """
-def scale(matrix, factor):
-    return (factor * matrix).tolil()
-""",
+    "move": "def move(poses, motion):\n    return {key: pose @ motion.as_pose() for key, pose in poses.items()}",
+    "scale": "def scale(matrix, factor):\n    return (factor * matrix).tolil()",
     "see": """
 def see(view, marks):
     found = [Measurement(np.arctan2(each.y, each.x) + view.yaw, np.hypot(each.x, each.y)) for each in marks]
-    return found[::-1], np.array([[each.x, each.y] for each in marks]).reshape(-1, 2)
-""",
-    "step": """
-def step(information, b):
-    return np.linalg.solve(information, -b)
-""",
+    return found[::-1], np.array([[each.x, each.y] for each in marks]).reshape(-1, 2)""",
+    "step": "def step(information, b):\n    return np.linalg.solve(information, -b)",
     "roots": """
 def roots(a, b, c):
     if a == 0:
         raise ValueError(f"a must not be 0, got {a}")
     root = np.sqrt(complex(b**2 - 4 * a * c))
-    return [(-b + root) / (2 * a), (-b - root) / (2 * a)]
-""",
-    "look_up": """
-def look_up(table, name, value):
-    return table[name](value)
-""",
-    "draw": """
-def draw(values, n, rng):
-    return rng.choice(values, n).mean()
-""",
+    return [(-b + root) / (2 * a), (-b - root) / (2 * a)]""",
+    "look_up": "def look_up(table, name, value):\n    return table[name](value)",
+    "draw": "def draw(values, n, rng):\n    return rng.choice(values, n).mean()",
 }
 WRONG = {
     "move": "def move(poses, motion):\n    return {str(key): pose for key, pose in poses.items()}",

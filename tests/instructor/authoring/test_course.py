@@ -15,11 +15,8 @@ def test_outside_a_course_build_says_so(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("word", ["1", "01", "01_toy"])
-def test_a_number_or_a_name_means_a_lesson(course, word):
+def test_a_number_or_a_name_means_a_lesson_and_another_word_is_said(course, word):
     assert course.names([word]) == course.names() == ["01_toy"]
-
-
-@pytest.mark.parametrize("word", ["", "0", "001", "toy", "01_to", "x" * 300])
-def test_a_word_that_means_no_lesson_is_said(course, word):
-    with pytest.raises(LessonError, match="there is no lesson"):
-        course.names(["01", word])
+    for word in ["", "0", "001", "toy", "01_to", "x" * 300]:
+        with pytest.raises(LessonError, match="there is no lesson"):
+            course.names(["01", word])

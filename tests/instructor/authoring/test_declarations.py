@@ -36,16 +36,33 @@ def said(*exercises, **more):
     return list(declaration_problems(LessonPlan(list(exercises), **more)))
 
 
-def test_what_is_right_is_not_complained_about(plan):
+def test_what_is_right_is_not_complained_about_and_questions_and_waived_rules_are_looked_at(plan):
     assert said(*plan.exercises, questions=[QUESTION], written=[WRITTEN]) == []
     assert said(replace(plan["clamp"], points=0.5, stars=3, uses=["a"], driver="jacobian", seconds=30)) == []
+    assert said(waived=dict.fromkeys(WAIVABLE, "a lab of half an hour")) == []
+    for more, message in (
+        ({"questions": [replace(QUESTION, choices=["a", "b"])]}, "why: choices must be a dict of replies"),
+        ({"questions": [replace(QUESTION, choices={"b": "Yes."})]}, "why: choices must be"),
+        ({"questions": [replace(QUESTION, right="c")]}, "why: its right answer is not one of its choices"),
+        ({"questions": QUESTION}, "PLAN: questions must be a list of Question, got Question("),
+        ({"written": [replace(WRITTEN, rubric="")]}, "say_why: rubric must be a text, got ''"),
+        ({"written": [replace(WRITTEN, points=-2)]}, "say_why: points must be a number, 0 or more, got -2"),
+        ({"waived": ["3"]}, 'PLAN: waived must be a dict of reasons by rule, {"3": "a lab"}, got '),
+        ({"waived": {"3": ""}}, "PLAN: waived must be a dict of reasons by rule"),
+        ({"waived": {"3": "a lab", "9": "x", "16": "y"}}, "PLAN: the rules 16, 9 cannot be waived"),
+    ):
+        (problem,) = said(**more)
+        assert problem.startswith(message)
 
 
-@pytest.mark.parametrize(("field", "value"), CASES, ids=[f"{field} {value!r:.20}" for field, value in CASES])
-def test_each_value_that_an_exercise_cannot_have_is_told(plan, field, value):
-    (problem,) = said(replace(plan["clamp"], **{field: value}))
-    called = "Exercise " if field == "name" else "clamp: "
-    assert problem.startswith(called) and f"{field} must be " in problem and ", got " in problem
+def test_each_value_that_an_exercise_cannot_have_is_told_with_its_place(plan):
+    for field, value in CASES:
+        (problem,) = said(replace(plan["clamp"], **{field: value}))
+        called = "Exercise " if field == "name" else "clamp: "
+        assert problem.startswith(called) and f"{field} must be " in problem and ", got " in problem
+    for change, message in INSIDE:
+        (problem,) = said(replace(plan["clamp"], **change))
+        assert problem.startswith(f"clamp: {message}")
 
 
 INSIDE = [
@@ -54,38 +71,10 @@ INSIDE = [
     ({"comparison": Points(tolerance="2")}, f"Points's tolerance {AMOUNTS}; got '2'"),
     ({"comparison": Close(rtol=-1.0)}, f"Close's rtol {AMOUNTS}; got -1.0"),
     ({"comparison": Close(names="your hue")}, "Close's names must be a tuple, got the text 'your hue'"),
+    ({"comparison": Property(lambda args, kwargs, answer: "")}, "its comparison cannot travel"),
     ({"mistakes": [FINE, Mistake("b", 3, "m")]}, "mistake 'b': function must be the wrong function, got 3"),
     ({"mistakes": [Mistake("b", abs, "")]}, "mistake 'b': message must be a sentence that helps, got ''"),
 ]
-
-
-@pytest.mark.parametrize(("change", "message"), INSIDE)
-def test_what_stands_inside_an_exercise_is_told_with_its_place(plan, change, message):
-    (problem,) = said(replace(plan["clamp"], **change))
-    assert problem.startswith(f"clamp: {message}")
-
-
-@pytest.mark.parametrize(
-    ("more", "message"),
-    [
-        ({"questions": [replace(QUESTION, choices=["a", "b"])]}, "why: choices must be a dict of replies"),
-        ({"questions": [replace(QUESTION, choices={"b": "Yes."})]}, "why: choices must be"),
-        ({"questions": [replace(QUESTION, right="c")]}, "why: its right answer is not one of its choices"),
-        ({"questions": QUESTION}, "PLAN: questions must be a list of Question, got Question("),
-        ({"written": [replace(WRITTEN, rubric="")]}, "say_why: rubric must be a text, got ''"),
-        ({"waived": ["3"]}, 'PLAN: waived must be a dict of reasons by rule, {"3": "a lab"}, got '),
-        ({"waived": {"3": ""}}, "PLAN: waived must be a dict of reasons by rule"),
-        ({"waived": {"3": "a lab", "9": "x", "16": "y"}}, "PLAN: the rules 16, 9 cannot be waived"),
-        ({"written": [replace(WRITTEN, points=-2)]}, "say_why: points must be a number, 0 or more, got -2"),
-    ],
-)
-def test_questions_are_looked_at_too(more, message):
-    (problem,) = said(**more)
-    assert problem.startswith(message)
-
-
-def test_a_short_lesson_waives_rules_about_its_size_and_parts_with_a_reason():
-    assert said(waived=dict.fromkeys(WAIVABLE, "a lab of half an hour")) == []
 
 
 def test_all_that_is_wrong_in_a_file_is_said_at_once_with_its_name(tmp_path, plan):
@@ -99,8 +88,3 @@ def test_all_that_is_wrong_in_a_file_is_said_at_once_with_its_name(tmp_path, pla
         "91_bad.py: PLAN: exercises must be a list of Exercise",
         "91_bad.py: PLAN: written must be a list of Written",
     ]
-
-
-def test_a_law_that_is_not_registered_is_told_with_its_exercise(plan):
-    (problem,) = said(replace(plan["clamp"], comparison=Property(lambda args, kwargs, answer: "")))
-    assert problem.startswith("clamp: its comparison cannot travel") and "@register" in problem

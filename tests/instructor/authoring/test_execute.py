@@ -30,7 +30,7 @@ def test_all_that_would_be_red_or_too_large_or_differ_next_time_is_said_at_once(
         execute.execute(lesson(*sources), stage)
     *said, large = str(refusal.value).splitlines()
     assert "MB when it has run" in large
-    assert [line.split(": ")[0].split(" (")[0] for line in said] == [
+    assert [each.split(": ")[0].split(" (")[0] for each in said] == [
         f"01_toy.md, cell {i}" for i in (2, 3, 4)
     ]
     for line, reason in zip(said, ("it warns", "shows an address", "a path of this machine"), strict=True):

@@ -66,11 +66,9 @@ def declared() -> Exercise:
 
 
 def solution() -> Definitions:
-    namespace = {"np": np, "__name__": "solution"}
-    exec(SOURCE, namespace)
-    return Definitions(
-        {"line": namespace["line"]}, namespace=namespace, text=NotebookText([("solution", SOURCE)])
-    )
+    space = {"np": np, "__name__": "solution"}
+    exec(SOURCE, space)
+    return Definitions({"line": space["line"]}, namespace=space, text=NotebookText([("solution", SOURCE)]))
 
 
 @pytest.fixture(scope="module")
@@ -86,18 +84,12 @@ def said(public, function):
     return [line for line in lines if line in known or line == TWO_ERRORS]
 
 
-def test_two_mistakes_together_are_diagnosed_as_both(public):
+def test_two_mistakes_together_are_diagnosed_as_both_and_a_single_one_keeps_its_message(public):
     assert said(public, lambda x, gain, offset: np.mod(x - offset, 360.0)) == [TWO_ERRORS, GAIN, OFFSET]
     assert said(public, lambda x, gain, offset: gain**2 * x + offset) == [TWO_ERRORS, WRAP, SQUARE]
-
-
-def test_a_single_mistake_keeps_its_own_message(public):
     assert said(public, lambda x, gain, offset: np.mod(x + offset, 360.0)) == [GAIN]
     assert said(public, lambda x, gain, offset: x) == [NOTHING]
-
-
-def test_what_is_right_or_wrong_in_another_way_gets_no_message(public):
-    """The other cases must be right or wrong as with the pair, too."""
+    # The other cases must be right or wrong as with the pair, too.
 
     def both_but_right_without_offset(x, gain, offset):
         return np.mod((gain if len(x) == 2 else 1.0) * x + (offset if len(x) == 2 else -offset), 360.0)
@@ -112,15 +104,12 @@ def test_what_is_right_or_wrong_in_another_way_gets_no_message(public):
         assert said(public, wrong) == []
 
 
-def test_changes_of_the_same_place_are_no_pair(public):
+def test_changes_of_the_same_place_are_no_pair_and_a_pair_stores_a_small_answer_and_no_code(public):
     """A gain cannot be missing and squared; what returns its input at once hides every other mistake."""
     pairs = [set(pair.mistakes) for pair in public.pairs]
     assert {0, 3} not in pairs
     assert not any(4 in pair for pair in pairs)
     assert sorted(map(sorted, pairs)) == [[0, 1], [0, 2], [1, 3], [2, 3]]
-
-
-def test_a_pair_stores_a_small_answer_and_no_code(public):
     for pair in public.pairs:
         assert set(pair.answers) <= set(map(str, pair.wrong))
         assert len(encode(pair)) < 1000
@@ -152,11 +141,9 @@ def test_two_mistakes_that_never_end_together_are_left_out(monkeypatch):
     )
     text = MISTAKES + "    no step: step = turns = 1 => step, turns = 0, 3\n        There is no step.\n"
     text += "    from 0: while turns < 3 => while turns < 3 or offset and not step\n        It begins at 0.\n"
-    namespace = {"np": np, "__name__": "solution"}
-    exec(source, namespace)
-    right = Definitions(
-        {"line": namespace["line"]}, namespace=namespace, text=NotebookText([("solution", source)])
-    )
+    space = {"np": np, "__name__": "solution"}
+    exec(source, space)
+    right = Definitions({"line": space["line"]}, namespace=space, text=NotebookText([("solution", source)]))
     plan = with_functions(LessonPlan([Exercise(**{**vars(declared()), "mistakes": catalogue(text)})]), right)
     public = publish_exercise("1.1", plan.exercises[0], right["line"])
     assert {5, 6} <= set(itertools.chain(*((i, j) for i, j, _ in plan.exercises[0].pairs())))

@@ -27,7 +27,7 @@ def made():
     return make_mutants("f", SOURCE)
 
 
-def test_mutants_are_python_and_no_two_are_alike(made):
+def test_mutants_are_python_and_the_slips_of_arrays_and_formulas_are_among_them(made):
     assert len(made) > 60
     assert len({each.source for each in made} | {made[0].original}) == len(made) + 1
     for each in made:
@@ -36,6 +36,9 @@ def test_mutants_are_python_and_no_two_are_alike(made):
         assert "Say" not in each.source
         assert "def f(x" in each.source
         assert each.diff.count("\n+") >= 1 or each.diff.count("\n-") >= 1
+    lines = {line.strip() for mutant in made for line in mutant.source.splitlines()}
+    wanted = re.split("; |\n", SLIPS.strip())
+    assert len(wanted) == 26 and [line for line in wanted if line not in lines] == []
 
 
 SLIPS = """
@@ -45,12 +48,6 @@ return -x[1:, 0].T; return -x[1:k - 1, 0].T; return -x[0, 1:k].T; return -x[1:k,
 return None; x = x; x = np.arctan2(k, x, axis=0); x = np.arctan2(x, k, axis=1 - 0); x = np.arctan2(x, k)
 x = np.hypot(x, k, axis=0); for i in range(4):; return x + k; return k - x; return k
 """
-
-
-def test_the_slips_of_arrays_and_formulas_are_among_them(made):
-    lines = {line.strip() for mutant in made for line in mutant.source.splitlines()}
-    wanted = re.split("; |\n", SLIPS.strip())
-    assert len(wanted) == 26 and [line for line in wanted if line not in lines] == []
 
 
 def test_a_lessons_mutants_are_caught_and_the_rest_is_listed(solutions):
@@ -69,7 +66,7 @@ def test_a_lessons_mutants_are_caught_and_the_rest_is_listed(solutions):
     assert all(line in text for mutant in report.survivors for line in mutant.diff.splitlines()[2:3])
 
 
-def test_each_mutant_has_all_the_time_of_a_submission(solutions, monkeypatch):
+def test_weak_tests_let_mutants_live_and_each_mutant_has_all_the_time_of_a_submission(tmp_path, monkeypatch):
     """From one allowance for all, those that came last would be caught for being late."""
     given = []
 
@@ -79,16 +76,12 @@ def test_each_mutant_has_all_the_time_of_a_submission(solutions, monkeypatch):
             given.append(self)
 
     monkeypatch.setattr(mutation, "Allowance", Noted)
-    report = mutate("90", jobs=2, solutions=solutions)
-    assert len(given) == len(report.trials) and all(each.spent > 0 for each in given)
-
-
-def test_weak_tests_let_mutants_live(tmp_path):
     weak = toy.solutions(tmp_path / "weak")
     replan(weak, "hidden=lambda rng: [Case((0.0, -1.0, 1.0))]")
     report = mutate("90", jobs=1, solutions=weak)
     assert any("return min(high, x)" in mutant.source for mutant in report.survivors)
     assert report.caught()[0] < report.caught()[1]
+    assert len(given) == len(report.trials) and all(each.spent > 0 for each in given)
 
 
 def replan(solutions, changed):

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nao_course.exercises import Between, Case, Close, Exact, LessonPlan, Methods, Mistake, Points, calls
+from nao_course.exercises import Case, Exercise, LessonPlan, Mistake, calls
 from nao_course.exercises.checking import grade_public
+from nao_course.exercises.comparisons import Between, Close, Exact, Methods, Points
 from nao_course.instructor.authoring import plan_checks, plans
 from nao_course.instructor.authoring.plan_checks import check_plan, plan_warnings
 from nao_course.instructor.authoring.plans import PlanError
@@ -35,24 +36,14 @@ def mistake(function, name="a"):
     return {"mistakes": [Mistake(name, function, "m")]}
 
 
-def raises(rng):
-    return [Case((1 / 0, 0, 1))]
-
-
 REFUSED = [
     ({"public": list}, "clamp: no public cases"),
     ({"hidden": lambda rng: []}, "clamp: no hidden cases"),
     ({"alternatives": {"odd one": wrong}}, "clamp: alternative 'odd one' is not right"),
-    (
-        {"alternatives": {"odd one": lambda x, low, high: right_answer(x, low, high) + (low < 0)}},
-        "clamp: alternative 'odd one' is not right in a hidden case",
-    ),
+    ({"alternatives": {"odd": lambda *x: right_answer(*x) + (x[1] < 0)}}, "'odd' is not right in a hidden"),
     (mistake(right_answer, "none"), "clamp: mistake 'none': no public case distinguishes"),
     (mistake(right_answer, "none"), "clamp: mistake 'none': no hidden case distinguishes"),
-    (
-        {"mistakes": [Mistake(name, lambda x, low, high: x, name) for name in ("a", "b")]},
-        "clamp: mistake 'b': its message is not shown",
-    ),
+    ({"mistakes": [Mistake(name, lambda x, *_: x, name) for name in "ab"]}, "'b': its message is not shown"),
     ({"mistakes": [Mistake("a", wrong, "m")] * 2}, "clamp: two mistakes are called 'a'"),
     (mistake(lambda x: x), "mistake 'a' gives no answer in any case: TypeError"),
     (mistake(lambda x, low, high: nothing), "mistake 'a' gives no answer in any case: NameError"),  # noqa: F821
@@ -67,9 +58,7 @@ REFUSED = [
     ({"parts": {"below": 1}}, "clamp: it has a public case without a part; the case's name must begin with"),
     ({"parts": {"below": 1}}, "clamp: it has a hidden case without a part"),
     ({"parts": {"below": 1}}, "clamp: no hidden case tests the part 'below'"),
-    ({"hidden": raises}, "clamp: its hidden cases: line "),
-    ({"hidden": raises}, ": ZeroDivisionError: division by zero"),
-    ({"public": lambda: 1 / 0}, ": ZeroDivisionError: division by zero"),
+    ({"hidden": lambda rng: 1 / 0}, ": ZeroDivisionError: division by zero"),
     ({"hidden": list}, "clamp: its hidden cases: TypeError: "),
     ({"hidden": lambda rng: None}, "its hidden cases must be a list of Case, got None"),
     ({"hidden": lambda rng: [(1.0, 0, 1)]}, "its hidden cases must be a list of Case, got [(1.0, 0, 1)]"),
@@ -84,15 +73,13 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("change", "message"), REFUSED, ids=lambda value: value if type(value) is str else ""
-)
-def test_a_plan_that_would_fail_a_student_is_refused_and_says_where(plan, right, change, message):
-    broken = replace(plan, exercises=[replace(plan["clamp"], **change), plan["mean_of_positive"]])
-    with pytest.raises(PlanError) as refusal:
-        check_plan("90_toy", broken, right)
-    assert message in str(refusal.value)
-    assert all(line.startswith("90_toy: ") for line in str(refusal.value).splitlines())
+def test_a_plan_that_would_fail_a_student_is_refused_and_says_where(plan, right):
+    for change, message in REFUSED:
+        broken = replace(plan, exercises=[replace(plan["clamp"], **change), plan["mean_of_positive"]])
+        with pytest.raises(PlanError) as refusal:
+            check_plan("90_toy", broken, right)
+        assert message in str(refusal.value)
+        assert all(line.startswith("90_toy: ") for line in str(refusal.value).splitlines())
 
 
 def test_names_of_other_lessons_and_odd_questions_are_refused_and_all_is_said_at_once(plan, right):
@@ -108,7 +95,7 @@ def test_names_of_other_lessons_and_odd_questions_are_refused_and_all_is_said_at
     assert len(str(refusal.value).splitlines()) == 4
 
 
-def test_an_exercise_needs_no_mistakes_but_build_warns_if_it_is_graded(plan, right):
+def test_a_good_plan_is_fine_and_needs_no_mistakes_but_build_warns_if_it_is_graded(plan, right):
     bare = replace(plan["clamp"], mistakes=[], alternatives={})
     (public,) = check_plan("90_toy", LessonPlan([bare]), right)
     assert grade_public(public, right["clamp"]) and not grade_public(public, wrong)
@@ -116,9 +103,6 @@ def test_an_exercise_needs_no_mistakes_but_build_warns_if_it_is_graded(plan, rig
     assert warning.startswith("clamp: it has 0 mistakes and 0 alternatives; with 3 of each")
     assert not list(plan_warnings(LessonPlan([bare], waived={"8": "a lab"})))
     assert not list(plan_warnings(plan)) and len(plan.exercises) == 2
-
-
-def test_a_good_plan_and_a_mistake_that_raises_as_students_do_are_fine(plan, right):
     check_plan("90_toy", plan, right)
     slip = Mistake("a name", lambda x, low, high: np.clip(x, low, high)[0], "A number has no first element.")
     changed = replace(plan["clamp"], mistakes=[slip, *plan["clamp"].mistakes])
@@ -173,19 +157,14 @@ def test_an_exercise_whose_solution_uses_another_has_to_say_so(plan):
     body = "return clamp(0.0, 0.0, 1.0) + float(values[values > 0].mean())"
     exec(f"def mean_of_positive(values):\n    {body}", space)
     simple = replace(plan["mean_of_positive"], public=lambda: [Case((np.array([1.5, -2.0]),))], mistakes=[])
-    with pytest.raises(
-        PlanError, match="mean_of_positive: its solution uses clamp; add 'clamp' to its `uses`"
-    ):
+    with pytest.raises(PlanError, match="mean_of_positive: its solution uses clamp; add 'clamp' to its"):
         plans.publish("90_toy", LessonPlan([plan["clamp"], simple]), space)
     plans.publish("90_toy", LessonPlan([plan["clamp"], replace(simple, uses=["clamp"])]), space)
 
 
 class Counter:
-    def __init__(self):
-        self.sum = 0.0
-
     def add(self, value):
-        self.sum += value
+        self.sum = value
 
     def total(self):
         return self.sum
@@ -193,11 +172,8 @@ class Counter:
 
 def test_a_method_that_is_compared_is_one_that_a_case_calls(plan):
     turns = [calls(("add", 1.5), "total")]
-    counter = replace(
-        plan["clamp"], name="Counter", public=lambda: turns, hidden=lambda rng: turns, mistakes=[], alternatives={},
-        driver="methods", comparison=Methods({"totl": Close()}), points=0,
-    )  # fmt: skip
+    counter = Exercise("Counter", 0, lambda: turns, lambda rng: turns, ("a", "b"), driver="methods")
+    misspelt, right = (replace(counter, comparison=Methods({name: Close()})) for name in ("totl", "total"))
     with pytest.raises(PlanError, match=r"Counter: Methods compares 'totl', which no case calls.*'total'"):
-        check_plan("90_toy", LessonPlan([counter]), {"Counter": Counter})
-    right = replace(counter, comparison=Methods({"total": Close()}))
+        check_plan("90_toy", LessonPlan([misspelt]), {"Counter": Counter})
     check_plan("90_toy", LessonPlan([right]), {"Counter": Counter})

@@ -20,49 +20,39 @@ from nao_course.instructor.authoring.plans import (
 from tests.toy import toy
 
 
-def test_a_lesson_is_known_by_its_number_or_name(solutions):
+def test_a_lesson_is_known_by_its_number_or_name_and_a_reference_that_fails_is_refused(solutions, plan):
     assert lesson_name("90", solutions) == lesson_name("90_toy", solutions) == "90_toy"
     with pytest.raises(PlanError, match=r"there are \['90_toy'\]"):
         lesson_name("91", solutions)
+    for function, message in [
+        (lambda x, low, high: 1 / 0, "gives no answer: raised ZeroDivisionError"),
+        (lambda x, low, high: {1}, "gives no answer: unsendable a value of type set"),
+        (lambda x, low, high: [x.fill(0)][1:], "changes its input"),
+    ]:
+        case = Case((np.ones(2), 0, 1), "first")
+        with pytest.raises(PlanError, match=message):
+            with_answers(plan["clamp"], [case], function)
 
 
 def test_a_good_plan_is_published_without_code_the_same_each_time(plan, right):
     public = publish("90_toy", plan, right)
-    assert [(each.number, each.name, each.points) for each in public.exercises] == [
-        ("90.1", "clamp", 2.0),
-        ("90.2", "mean_of_positive", 3.0),
-    ]
-    assert [case.expected for case in public.exercises[0].cases] == [2.25, 0.5, 1.125]
-    assert public.exercises[0].mistakes[0].answers == {"0": 3.0}
-    assert public.exercises[1].mistakes[2].answers == {"1": {"raises": "ZeroDivisionError"}}
-    assert public.exercises[1].mistakes[3].answers == {}  # right, but in place
+    clamp, mean = public.exercises
+    assert (clamp.number, clamp.name, clamp.points) == ("90.1", "clamp", 2.0)
+    assert (mean.number, mean.name, mean.points) == ("90.2", "mean_of_positive", 3.0)
+    assert [case.expected for case in clamp.cases] == [2.25, 0.5, 1.125]
+    assert clamp.mistakes[0].answers == {"0": 3.0}
+    assert mean.mistakes[2].answers == {"1": {"raises": "ZeroDivisionError"}}
+    assert mean.mistakes[3].answers == {}  # right, but in place
     assert pack(public) == pack(publish("90_toy", plan, right))
     back = unpack(pack(public))
     assert (back.name, len(back.exercises), back.questions[0].right) == ("90_toy", 2, "Safety")
 
 
-@pytest.mark.parametrize(
-    ("function", "message"),
-    [
-        (lambda x, low, high: 1 / 0, "gives no answer: raised ZeroDivisionError"),
-        (lambda x, low, high: {1}, "gives no answer: unsendable a value of type set"),
-        (lambda x, low, high: [x.fill(0)][1:], "changes its input"),
-    ],
-)
-def test_a_reference_that_fails_is_refused(plan, function, message):
-    case = Case((np.ones(2), 0, 1), "first")
-    with pytest.raises(PlanError, match=message):
-        with_answers(plan["clamp"], [case], function)
-
-
 @pytest.mark.parametrize("text", ["PLAN = 3", "", "1 / 0", "def f(:"])
-def test_a_declaration_that_declares_nothing_is_refused(tmp_path, text):
+def test_a_declaration_that_declares_nothing_or_is_missing_is_refused(tmp_path, text):
     (tmp_path / "91_bad.py").write_text(text)
     with pytest.raises(PlanError, match=r"91_bad\.py: "):
         load_plan(tmp_path / "91_bad.py")
-
-
-def test_a_declaration_that_is_missing_or_a_lesson_that_is_not_built_is_said(tmp_path):
     with pytest.raises(FileNotFoundError):
         load_plan(tmp_path / "missing.py")
     folder = toy.solutions(tmp_path / "solutions")
@@ -73,6 +63,7 @@ def test_a_declaration_that_is_missing_or_a_lesson_that_is_not_built_is_said(tmp
 
 _DIFFERENCES = np.array([[1.1, -1.1, 0.0], [0.0, 0.7, -0.7]])
 SINGULAR = _DIFFERENCES.T @ _DIFFERENCES  # but for rounding
+HELD = SINGULAR + np.diag([1.0, 0, 0])
 
 
 def solve(omega, xi):
@@ -86,23 +77,12 @@ START = np.array([0.1, 0.2, -0.3])
 
 
 def exercise_of(name, cases, *mistakes, **more):
-    return Exercise(
-        name=name,
-        points=1,
-        public=lambda: cases,
-        hidden=lambda rng: [],
-        hints=("", ""),
-        mistakes=[Mistake(each.__name__, each, each.__name__) for each in mistakes],
-        alternatives={},
-        **more,
-    )
+    wrong = [Mistake(each.__name__, each, each.__name__) for each in mistakes]
+    return Exercise(name, 1, lambda: cases, lambda rng: [], ("", ""), wrong, **more)
 
 
 def _published(*mistakes):
-    cases = [
-        Case((SINGULAR, START), "no start", raises="ZeroDivisionError"),
-        Case((SINGULAR + np.diag([1.0, 0, 0]), START), "held"),
-    ]
+    cases = [Case((SINGULAR, START), "free", raises="ZeroDivisionError"), Case((HELD, START), "held")]
     return publish_exercise("1.1", exercise_of("solve", cases, *mistakes), solve)
 
 
@@ -135,6 +115,16 @@ def test_a_mistakes_answer_that_is_a_rounding_error_is_marked_and_no_other():
     marked = [[key for key, each in mistake.answers.items() if is_unstable(each)] for mistake in mistakes]
     assert marked == [["0"], ["0"], [], []]
     assert mistakes[1].answers["0"] == {"unstable": {"raises": "LinAlgError"}}
+    # The inputs of a case are the same on each processor.
+    for right, comparison, mistake in [
+        (np.floor, Close(), lambda x: np.ceil(x) + 1),  # the reference, too, changes where the inputs do
+        (np.round, Close(), lambda x: np.where(x == 2, 5.0, np.round(x))),  # right for all other inputs
+        (np.round, Exact(), lambda x: 2 * x),  # changes no more than the inputs
+    ]:
+        whole = np.array([1.0, 2.0, 3.0, 4.0])
+        exercise = exercise_of("whole", [Case((whole,))], mistake, comparison=comparison)
+        (answer,) = publish_exercise("1.1", exercise, right).mistakes[0].answers.values()
+        assert answer.tolist() == mistake(whole).tolist()
 
 
 @pytest.mark.parametrize("mistake", [unguarded, raises_or_not, shortest, transposed])
@@ -144,19 +134,3 @@ def test_a_mistake_is_recognised_on_another_processor(mistake):
     assert grade_public(public, elsewhere(solve))
     for _ in range(3):
         assert mistake.__name__ in grade_public(public, elsewhere(mistake)).lines
-
-
-@pytest.mark.parametrize(
-    ("right", "comparison", "mistake"),
-    [
-        (np.floor, Close(), lambda x: np.ceil(x) + 1),  # the reference, too, changes where the inputs do
-        (np.round, Close(), lambda x: np.where(x == 2, 5.0, np.round(x))),  # right for all other inputs
-        (np.round, Exact(), lambda x: 2 * x),  # changes no more than the inputs
-    ],
-)
-def test_an_answer_that_changes_with_the_inputs_alone_is_no_rounding_error(right, comparison, mistake):
-    """The inputs of a case are the same on each processor."""
-    whole = np.array([1.0, 2.0, 3.0, 4.0])
-    exercise = exercise_of("whole", [Case((whole,))], mistake, comparison=comparison)
-    (answer,) = publish_exercise("1.1", exercise, right).mistakes[0].answers.values()
-    assert answer.tolist() == mistake(whole).tolist()

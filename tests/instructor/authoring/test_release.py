@@ -32,7 +32,7 @@ def files():
     return release.contents(COURSE, COURSE.names())
 
 
-def test_the_zip_has_what_make_lab_needs_and_nothing_of_the_instructors(files):
+def test_the_zip_has_every_file_of_the_students_library_and_nothing_of_the_instructors(files):
     assert {"Makefile", "pyproject.toml", "requirements.lock", "LICENSE", "README.md"} <= files.keys()
     assert {"nao_course/cli.py", "nao_course/homework.py", "nao_course/geometry.py", NOTEBOOK} <= files.keys()
     room = "nao_course/lessons/hsl_filtering"
@@ -40,10 +40,7 @@ def test_the_zip_has_what_make_lab_needs_and_nothing_of_the_instructors(files):
     parts = {part for name in files for part in Path(name).parts}
     assert not parts & {"instructor", "solutions", "tests", "benchmarks", "__pycache__", "course.toml"}
     assert not [name for name in files if name.startswith("notebooks/")], "students work there"
-
-
-def test_every_file_of_the_students_library_is_in_the_zip(files):
-    """A lesson's log that is left out is a traceback in the lesson's first cell."""
+    # A lesson's log that is left out is a traceback in the lesson's first cell.
     package = PROJECT / "nao_course"
     theirs = [
         path.relative_to(PROJECT).as_posix()
@@ -53,23 +50,19 @@ def test_every_file_of_the_students_library_is_in_the_zip(files):
     assert len(theirs) > 200 and [name for name in theirs if name not in files] == []
 
 
-def test_a_release_says_its_version_in_a_file_and_in_each_notebook(files):
+def test_a_release_says_its_version_in_each_notebook_and_has_only_the_chosen_lessons(files):
     stamp = json.loads(files["release/release.json"])
     assert (stamp["version"], stamp["title"]) == (COURSE.version, COURSE.title)
     for name in COURSE.names():
         content = files[f"release/notebooks/{name}.ipynb"]
         assert json.loads(content)["metadata"]["nao_course"] == {"lesson": name, "version": COURSE.version}
         assert stamp["lessons"][name] == hashlib.sha256(content).hexdigest()
-
-
-def test_only_the_chosen_lessons_are_released():
     course = replace(COURSE, chosen=("00",))
     chosen = release.contents(course, course.names(course.chosen))
-    assert sorted(name for name in chosen if name.endswith((".ipynb", ".bin")) or "/outlines/" in name) == [
-        "nao_course/exercises/checks/00_meet_the_nao.bin",
-        "nao_course/exercises/outlines/00_meet_the_nao.json",
-        "release/notebooks/00_meet_the_nao.ipynb",
-    ]
+    made = [name for name in chosen if name.endswith((".ipynb", ".bin")) or "/outlines/" in name]
+    folders = ("nao_course/exercises/checks", "nao_course/exercises/outlines", "release/notebooks")
+    assert sorted(f"{Path(name).parent}" for name in made) == list(folders)
+    assert {Path(name).stem for name in made} == {"00_meet_the_nao"}
 
 
 BESIDE = (*release.AS_THEY_ARE, release.README)
@@ -138,7 +131,7 @@ def test_each_student_gets_the_release_with_their_name_in_it(finished, tmp_path,
     assert found == dict.fromkeys(names, "nao-course/release/student.json")
 
 
-def test_names_are_read_from_lines_and_from_a_table(tmp_path):
+def test_names_are_read_from_lines_and_from_a_table_and_what_cannot_be_used_is_refused(tmp_path):
     path = tmp_path / "names.txt"
     for text, names in {
         "\ufeffada\n\n  bob \n": ["ada", "bob"],
@@ -148,24 +141,17 @@ def test_names_are_read_from_lines_and_from_a_table(tmp_path):
     }.items():
         path.write_text(text, encoding="utf-8")
         assert release.read_students(path) == names
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
+    path = tmp_path / "names.txt"
+    for content, message in (
         (b"", "contains no names"),
         (b"student\n\n", "contains no names"),
         (b"\xff\xfe\x00", "Save it as UTF-8"),
         (b"name,email\nada,a@b\n", "a column 'student'"),
         (b"Ada\nada\n", "'Ada' and 'ada'"),
-        (b"ada\nada\n", "'ada' and 'ada'"),
-    ],
-)
-def test_names_that_cannot_be_used_are_refused(tmp_path, content, message):
-    path = tmp_path / "names.txt"
-    path.write_bytes(content)
-    with pytest.raises(LessonError, match=message):
-        release.read_students(path)
+    ):
+        path.write_bytes(content)
+        with pytest.raises(LessonError, match=message):
+            release.read_students(path)
     with pytest.raises(LessonError, match="cannot read"):
         release.read_students(tmp_path / "nothing.txt")
 

@@ -38,10 +38,8 @@ def test_a_notebook_edited_in_jupyterlab_comes_back_into_the_text_with_nothing_l
     result = run("build", "--from-notebook", "01")
     assert result.exit_code == 0, result.output
     assert "wrote solutions/01_toy.md" in result.output
-    again = lesson_text.read_lesson(built.text("01_toy"))
-    assert [(cell.cell_type, cell.source) for cell in again.cells] == [
-        (cell.cell_type, cell.source) for cell in edited
-    ]
+    again = lesson_text.read_lesson(built.text("01_toy")).cells
+    assert [(x.cell_type, x.source) for x in again] == [(x.cell_type, x.source) for x in edited]
     text = built.text("01_toy").read_text()
     assert ":role: display\n:tags: [new]" in text and ":exercise: double" in text and "collapsed" not in text
     assert '+++ {"slideshow": {"slide_type": "notes"}}' in text and "```{raw-cell}\n:format: html" in text
@@ -72,15 +70,9 @@ def test_an_edited_notebook_is_not_built_over_and_when_both_were_edited_nothing_
 
 UNHELD = {
     "nothing": (lambda cells: None, "there is nothing to bring back"),
-    "attachment": (
-        lambda cells: cells[2].update(attachments={"a.png": {"image/png": ""}}),
-        "cell 3.*a picture was pasted",
-    ),
+    "attachment": (lambda cells: cells[2].update(attachments={"a.png": {}}), "cell 3.*a picture was pasted"),
     "a break": (lambda cells: cells[2].update(source="one\n\n+++\n\ntwo"), "cell 3.*MyST would read it"),
-    "a graded text": (
-        lambda cells: cells[2].metadata.update(nbgrader={"grade": True}),
-        "cell 3.*a graded text cell is a written answer",
-    ),
+    "a graded text": (lambda cells: cells[2].metadata.update(nbgrader={"grade": True}), "cell 3.*a written"),
     "broken code": (lambda cells: cells[3].update(source="def double(value):"), "cell 4.*is not Python"),
     "points": (lambda cells: cells[4].metadata.nbgrader.update(points=7), "points of double were changed"),
 }
@@ -96,41 +88,40 @@ def test_what_text_cannot_hold_is_refused(built, what):
     assert contents(built.root) == before
 
 
-def edits_of(course):
-    """What an author may have done since the build, and what is said of it."""
-    build, there = "was edited since it was built: run `nao-course build 01`", "solutions/01_toy.ipynb"
-    return {
-        "text": (lambda: write(course.text("01_toy"), "Words", "Words, too"), f"solutions/01_toy.md {build}"),
-        "declaration": (
-            lambda: write(course.declaration("01_toy"), '"Look."', '"See."'),
-            f"solutions/exercises/01_toy.py {build}",
-        ),
-        "notebook": (
-            lambda: edit(lambda cells: cells[2].update(source="Changed.")),
-            f"{there} was edited since it was built: bring that back",
-        ),
-        "no notebook": (Path(there).unlink, f"there is no {there}: run `nao-course"),
-        "not run": (lambda: run("build", "--no-execute"), f"{there} was built without being run: run"),
-    }
+BUILD, THERE = "was edited since it was built: run `nao-course build 01`", "solutions/01_toy.ipynb"
 
 
-EDITS = ("text", "declaration", "notebook", "no notebook")
-COMMANDS = {
-    ("mutate", "01"): EDITS,
-    ("grade", "handed_in", "--out", "grades"): EDITS,
-    ("release", "--out", "dist"): (*EDITS, "not run"),
+EDITS = {  # what an author may have done since the build, and what is said of it
+    "text": (lambda course: write(course.text("01_toy"), "Words", "More"), f"solutions/01_toy.md {BUILD}"),
+    "declaration": (
+        lambda course: write(course.declaration("01_toy"), '"Look."', '"See."'),
+        f"solutions/exercises/01_toy.py {BUILD}",
+    ),
+    "notebook": (
+        lambda course: edit(lambda cells: cells[2].update(source="Changed.")),
+        f"{THERE} was edited since it was built: bring",
+    ),
+    "no notebook": (lambda course: Path(THERE).unlink(), f"there is no {THERE}: run `nao-course"),
+    "not run": (lambda course: run("build", "--no-execute"), f"{THERE} was built without being run: run"),
 }
+COMMANDS = ("mutate 01", "grade handed_in --out grades", "release --out dist")
 
 
-@pytest.mark.parametrize(("command", "what"), [(each, what) for each in COMMANDS for what in COMMANDS[each]])
+ONLY_TO_RELEASE = "not run"  # only a release needs the outputs
+
+
+@pytest.mark.parametrize(
+    ("command", "what"),
+    [(each, what) for each in COMMANDS for what in EDITS if what != ONLY_TO_RELEASE or "release" in each],
+)
 def test_what_was_edited_and_not_built_stops_mutate_grade_and_release(built, secret, command, what):
     stamps.refuse_what_is_not_built(built, ["01_toy"], executed=True)
     (built.root / "handed_in" / "ada").mkdir(parents=True)
     shutil.copy("notebooks/01_toy.ipynb", built.root / "handed_in" / "ada")
-    edit_it, said = edits_of(built)[what]
-    edit_it()
+    edit_it, said = EDITS[what]
+    edit_it(built)
     before = contents(built.root)
-    result = run(*command)
+    result = run(*command.split())
     assert result.exit_code == 1 and said in result.output, result.output
     assert contents(built.root) == before
 

@@ -64,14 +64,8 @@ def process_state():
     """What belongs to the whole process and judging must not change."""
     chance = (random.getstate(), np.random.get_state()[1].tolist())  # noqa: NPY002
     numbers = (mpmath.mp.prec, np.geterr(), str(np.get_printoptions()), sys.getrecursionlimit())
-    return (
-        chance,
-        numbers,
-        dict(os.environ),
-        os.getcwd(),
-        warnings.filters[:],
-        locale.setlocale(locale.LC_ALL),
-    )
+    around = (dict(os.environ), os.getcwd(), warnings.filters[:], locale.setlocale(locale.LC_ALL))
+    return chance, numbers, around
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a crash opens a dialogue")

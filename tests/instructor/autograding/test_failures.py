@@ -49,26 +49,15 @@ OTHER_LINES = [
 ]
 
 
-def test_a_line_is_told_where_it_stands_in_the_exercises_own_definition(files):
+def test_a_line_is_told_where_it_stands_in_the_last_definition_of_the_exercise(files):
     for line in ("line 2: return x / 0", 'line 3: y = "é"  # return x / 1'):
         assert own_line(line, files, "f") == line
     assert [line for line in OTHER_LINES if own_line(line, files, "f") != ""] == []
-
-
-def notebook(*sources):
-    cells = [{"cell_type": "code", "source": source} for source in sources]
-    return json.dumps({"cells": cells}).encode()
-
-
-def test_of_several_definitions_the_last_one_is_read_with_its_signature_and_comments():
     second = "import numpy\n\ndef f(\n    x,\n) -> float:\n# why\n\n    return x\nf(1)"
     found = definition_lines(notebook(SOURCE, second, "g = 1"), "f")
     assert sorted(number for number, _ in found) == [3, 4, 5, 6, 7, 8] and (8, "return x") in found
     assert (2, "self.x = 1") not in definition_lines(notebook("class F:\n  self.x = 1"), "f")
     assert (2, "self.x = 1") in definition_lines(notebook("class F:\n  self.x = 1"), "F")
-
-
-def test_no_line_is_told_of_what_is_no_notebook_or_of_a_table_of_lines():
     odd = [b"", b"{", b"[]", b'{"cells": 7}', b'{"cells": [7]}', b"[" * 10**5, b" " * 2**22]
     for content in (*odd, notebook("def f(x):\n" + " \n" * 200)):
         assert definition_lines(content, "f") == frozenset()
@@ -76,47 +65,24 @@ def test_no_line_is_told_of_what_is_no_notebook_or_of_a_table_of_lines():
         assert definition_lines(notebook("def f(x):\n    return x\n" + " " * 2**20), "f")
 
 
-@pytest.mark.parametrize(
-    ("expected", "got", "said"),
-    [
-        (np.zeros((2, 3)), np.zeros((2, 4)), "the wrong shape: another size along axis 1."),
-        (np.zeros((2, 3)), np.zeros(7), "1 dimensions instead of 2"),
-        (np.zeros(3), None, "It returns None"),
-        (np.zeros(3), np.full(3, np.nan), "NaN"),
-        (np.zeros(3), "text", "wrong kind"),
-        (np.zeros(3), np.full(3, 987.0), "not the right values"),
-    ],
-)
-def test_a_difference_is_told_by_its_kind_and_without_a_value(expected, got, said):
-    told = described(expected, got)
-    assert told is not None and told.state == "wrong"
-    assert said in told.text and "987" not in told.text
-    assert described(expected, expected) is None
+def notebook(*sources):
+    cells = [{"cell_type": "code", "source": source} for source in sources]
+    return json.dumps({"cells": cells}).encode()
 
 
-def test_an_exception_is_told_by_its_name_where_the_name_is_pythons_or_numpys(files):
-    known = describe_failure("f", Outcome("raised", text="KeyError: 5"), files, 1.0)
-    assert known.text == "It raises KeyError."
-    told = describe_failure("f", Outcome("raised", text="E3_14: 5", line="line 1: 5"), files, 1.0)
-    assert (told.text, told.line) == ("It raises an exception of its own.", "")
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("the process was ended by signal 9 (Killed)", "It ends Python itself (Killed)."),
-        ("the process was ended by signal 12 (User defined signal 2)", "It ends Python itself."),
-        ("the process ended itself with status 77", "It ends Python itself."),
-        ("signal 3.14", "It ends Python itself."),
-        ("it called base too often", "It calls a function of another exercise too often."),
-        (UNREADABLE, "Its answer is of a kind that cannot be sent."),
-    ],
-)
-def test_how_a_process_died_is_told_without_a_number_of_the_students(files, text, said):
-    assert describe_failure("f", Outcome("died", text=text), files, 1.0).text == said
-
-
-def test_of_a_law_on_a_hidden_case_no_word_is_told():
+def test_a_difference_is_told_by_its_kind_and_without_a_value():
+    for got, said in [
+        (np.zeros((2, 4)), "the wrong shape: another size along axis 1."),
+        (np.zeros(7), "1 dimensions instead of 2"),
+        (None, "It returns None"),
+        (np.full((2, 3), np.nan), "NaN"),
+        ("text", "wrong kind"),
+        (np.full((2, 3), 987.0), "not the right values"),
+    ]:
+        told = described(np.zeros((2, 3)), got)
+        assert told is not None and told.state == "wrong"
+        assert said in told.text and "987" not in told.text
+        assert described(np.zeros((2, 3)), np.zeros((2, 3))) is None
     law = Property(lambda args, kwargs, answer: f"{args[0]} must be {kwargs['wanted']}, you have {answer}")
     case = Case((987.25,), kwargs={"wanted": 654.5})
     for comparison in (law, All((law, Close())), Each({0: law}), Unordered(law)):
@@ -124,16 +90,32 @@ def test_of_a_law_on_a_hidden_case_no_word_is_told():
         assert told is not None and told.state == "wrong"
         assert not any(word in told.text for word in ("987", "654", "must", "you have"))
     assert "does not have a property that is asked for" in described(3.0, 3.0, law, case).text
-
-
-def test_an_answer_where_an_exception_is_asked_for_is_told_without_it():
     case = Case((987.25,), raises="ValueError")
     told = described(None, 987.25, case=case)
     assert told is not None and told.state == "wrong"
     assert told.text == "It returns an answer where it has to raise an exception."
-    raised, other = (
-        Outcome("raised", text=f"{name}: 987", errors=(name, "Exception"))
-        for name in ("ValueError", "KeyError")
-    )
+    raised = Outcome("raised", text="ValueError: 987", errors=("ValueError", "Exception"))
     assert outcome_of(raised, case) is None
+    other = Outcome("raised", text="KeyError: 987", errors=("KeyError", "Exception"))
     assert outcome_of(other, case).text == "It raises KeyError."
+
+
+def test_a_failure_is_told_in_fixed_words_and_without_a_number_of_the_students(files):
+    for outcome, said in (
+        (Outcome("raised", text="KeyError: 5"), "It raises KeyError."),
+        (Outcome("raised", text="E3_14: 5", line="line 1: 5"), "It raises an exception of its own."),
+        (
+            Outcome("died", text="the process was ended by signal 9 (Killed)"),
+            "It ends Python itself (Killed).",
+        ),
+        (Outcome("died", text="the process was ended by signal 12 (User 2)"), "It ends Python itself."),
+        (Outcome("died", text="the process ended itself with status 77"), "It ends Python itself."),
+        (Outcome("died", text="signal 3.14"), "It ends Python itself."),
+        (
+            Outcome("died", text="it called base too often"),
+            "It calls a function of another exercise too often.",
+        ),
+        (Outcome("died", text=UNREADABLE), "Its answer is of a kind that cannot be sent."),
+    ):
+        told = describe_failure("f", outcome, files, 1.0)
+        assert (told.text, told.line) == (said, "")

@@ -78,7 +78,7 @@ def told_to_the_student(result):
     return json.dumps(told)
 
 
-def test_the_solution_gets_all_points(marked):
+def test_the_solution_gets_all_points_and_a_blank_copy_none(marked):
     result = marked()
     assert set(states(result).values()) == {"right"}
     assert (result.earned, result.points) == (7.0, 7.0)
@@ -86,6 +86,9 @@ def test_the_solution_gets_all_points(marked):
     assert all(each.passed == each.cases == 3 and each.text == "" for each in result.exercises)
     assert (result.status, result.level, result.file) == ("graded", "full", "ada/x.ipynb")
     assert result.seconds > 0 and result.notes == ()
+    result = marked(chain.BLANK)
+    assert set(states(result).values()) == {"not attempted"} and result.earned == 0
+    assert not any(each.with_reference for each in result.exercises)
 
 
 @pytest.mark.parametrize("content", [None, b""])
@@ -94,14 +97,7 @@ def test_lateness_and_the_time_are_kept_and_cost_nothing(warm_server, assignment
         handed_in.path.write_bytes(content)
     late = replace(handed_in, late=True, handed_in="2026-11-20 22:10+00:00")
     one, other = (grade(each, assignment, warm_server, "full") for each in (handed_in, late))
-    assert (other.late, other.handed_in) == (True, "2026-11-20 22:10+00:00")
-    assert other == replace(one, late=True, handed_in=late.handed_in)
-
-
-def test_a_blank_copy_gets_none_and_is_said_not_to_be_attempted(marked):
-    result = marked(chain.BLANK)
-    assert set(states(result).values()) == {"not attempted"} and result.earned == 0
-    assert not any(each.with_reference for each in result.exercises)
+    assert other == replace(one, late=True, handed_in="2026-11-20 22:10+00:00")
 
 
 def counting(name, body):
@@ -109,33 +105,45 @@ def counting(name, body):
     return {name: f"def {name}(x):\n    {name}.n = getattr({name}, 'n', 0) + 1\n    return {body}"}
 
 
-def test_points_are_all_or_nothing_over_the_hidden_cases(marked):
+def test_points_are_all_or_nothing_and_a_mistake_is_named_with_its_hint(marked):
     double = of(marked(counting("double", "2 * x + (double.n == 5)")), "double")
     assert (double.state, double.passed, double.earned) == ("wrong", 2, 0)
+    result = marked(chain.MISTAKES)
+    assert result.earned == 0
+    for each in result.exercises:
+        assert (each.state, each.mistake) == ("wrong", "slip")
+        assert each.hint == f"That is the slip in {each.name}."
+        assert each.hint not in each.public and "0 of 2 public checks" in each.public[0]
+    double = of(marked({"double": "def double(x):\n    x *= 2\n    return x"}), "double")
+    assert (double.state, double.earned, double.text) == ("changes its input", 0, CHANGES_INPUT)
 
 
 @pytest.mark.parametrize(
-    ("wrong_at", "earned", "note"),
-    [
-        (6, 0.5, ("0.5 of 2 points for the right parts: first.",)),
-        (5, 1.5, ("1.5 of 2 points for the right parts: rest.",)),
-        (0, 2.0, ()),
-    ],
+    ("wrong_at", "earned", "part"),
+    [(6, 0.5, "0.5 of 2 points: first"), (5, 1.5, "1.5 of 2 points: rest"), (0, 2, "")],
 )
-def test_each_part_whose_hidden_cases_all_pass_earns_its_share(marked, assignment, wrong_at, earned, note):
+def test_each_part_whose_hidden_cases_all_pass_earns_its_share(marked, assignment, wrong_at, earned, part):
     source = counting("double", f"2 * x + (double.n == {wrong_at})")
     result = of(marked(source, given=in_parts(assignment, "double", 1, 3)), "double")
-    assert (result.earned, result.notes) == (earned, note)
+    said = part.replace(":", " for the right parts:")
+    assert (result.earned, result.notes) == (earned, (f"{said}.",) if said else ())
     assert result.state == ("wrong" if wrong_at else "right")
 
 
-def test_parts_that_are_right_with_the_references_functions_earn_their_share_of_what_these_are_worth(
-    marked, assignment
-):
+def test_right_parts_earn_their_share_also_with_the_references_functions(marked, assignment):
     wrong = {"double": chain.MISTAKES["double"]} | counting("both", "plus_one(double(x)) + (both.n == 8)")
     result = of(marked(wrong, given=in_parts(assignment, "both", 1, 3)), "both")
     assert (result.state, result.with_reference, result.earned) == ("wrong", True, 0.375)
     assert result.notes[1:] == ("0.75 of 3 points for the right parts: first.",)
+    # `both` needs none of the functions, so that its right part is worth its full share before that run.
+    parts = in_parts(assignment, "both")
+    both = f"def both(x):\n    return 2 * x + 1 + {last_case(parts, 'both')}"
+    result = of(marked({"double": chain.MISTAKES["double"], "both": both}, given=parts), "both")
+    assert (result.state, result.with_reference, result.earned) == ("wrong", True, 1.5)
+    parts = in_parts(assignment, "total")
+    source = f"def total(x):\n    t = float(x.sum()) + {last_case(parts, 'total')}\n    {{}}\n    return t"
+    for change, earned in (("pass", 0.5), ("x[:] = 0", 0)):
+        assert of(marked({"total": source.format(change)}, given=parts), "total").earned == earned
 
 
 def in_parts(assignment, name, first=1, rest=1):
@@ -156,33 +164,7 @@ def last_case(assignment, name):
     return f"(x.flat[0] == {float(task.hidden[-1].args[0].flat[0])!r})"
 
 
-def test_a_run_with_the_references_functions_lowers_no_points(marked, assignment):
-    """`both` needs none of the functions, so that its right part is worth its full share before that run."""
-    parts = in_parts(assignment, "both")
-    both = f"def both(x):\n    return 2 * x + 1 + {last_case(parts, 'both')}"
-    result = of(marked({"double": chain.MISTAKES["double"], "both": both}, given=parts), "both")
-    assert (result.state, result.with_reference, result.earned) == ("wrong", True, 1.5)
-
-
-def test_a_right_part_earns_nothing_if_the_function_changes_an_input_that_must_stay_as_it_is(
-    marked, assignment
-):
-    parts = in_parts(assignment, "total")
-    source = f"def total(x):\n    t = float(x.sum()) + {last_case(parts, 'total')}\n    {{}}\n    return t"
-    for change, earned in (("pass", 0.5), ("x[:] = 0", 0)):
-        assert of(marked({"total": source.format(change)}, given=parts), "total").earned == earned
-
-
-def test_a_mistake_is_named_and_its_hint_stands_beside_what_the_check_says(marked):
-    result = marked(chain.MISTAKES)
-    assert result.earned == 0
-    for each in result.exercises:
-        assert (each.state, each.mistake) == ("wrong", "slip")
-        assert each.hint == f"That is the slip in {each.name}."
-        assert each.hint not in each.public and "0 of 2 public checks" in each.public[0]
-
-
-def test_an_error_is_not_punished_twice(marked):
+def test_an_error_is_not_punished_twice_and_an_own_error_stays_one(marked):
     result = marked({"double": chain.MISTAKES["double"]})
     both = of(result, "both")
     assert (both.state, both.earned, both.with_reference) == ("right", 1.5, True)
@@ -190,9 +172,6 @@ def test_an_error_is_not_punished_twice(marked):
     assert result.earned == 1 + 1.5 + 1
     both = of(marked({"double": "pass"}), "both")
     assert (both.state, both.earned) == ("right", 1.5)
-
-
-def test_an_own_error_stays_one_with_the_references_functions_which_only_who_needs_them_gets(marked):
     both = of(marked({name: chain.MISTAKES[name] for name in ("double", "both")}), "both")
     assert (both.state, both.earned, both.with_reference) == ("wrong", 0, True)
     both = of(marked({"both": chain.MISTAKES["both"]}), "both")
@@ -201,12 +180,7 @@ def test_an_own_error_stays_one_with_the_references_functions_which_only_who_nee
     assert of(marked({"double": chain.MISTAKES["double"], "total": spy}), "total").state == "right"
 
 
-def test_a_function_that_changes_its_input_is_not_right_and_the_page_says_so(marked):
-    double = of(marked({"double": "def double(x):\n    x *= 2\n    return x"}), "double")
-    assert (double.state, double.earned, double.text) == ("changes its input", 0, CHANGES_INPUT)
-
-
-def test_lists_float32_classes_and_helper_files_are_honest_work(marked):
+def test_lists_float32_classes_helper_files_and_other_encodings_are_honest_work(marked):
     result = marked(
         {
             "double": "from mine import twice\ndouble = twice",
@@ -216,6 +190,12 @@ def test_lists_float32_classes_and_helper_files_are_honest_work(marked):
         helpers={"mine.py": "def twice(x):\n    return (2 * x).tolist()"},
     )
     assert states(result)["double"] == states(result)["total"] == states(result)["plus_one"] == "right"
+    plain = marked({"double": "def double(x):\n    raise ValueError('\xe4')"})
+    text = chain.notebook({"double": "def double(x):\n    raise ValueError('\xe4')"}).decode()
+    text = text.replace("\\u00e4", "\xe4")
+    for content in (text.encode() + b"\0" * 512, text.encode("utf-16"), text.encode("cp1252")):
+        again = marked(content=content)
+        assert again.exercises == plain.exercises and of(again, "double").line
 
 
 def test_a_written_answer_is_what_the_cell_says_and_failed_statements_are_named(marked):
@@ -260,32 +240,21 @@ def test_each_failure_is_told_and_costs_only_its_own_exercise(marked, source):
     assert [each.earned for each in result.exercises[1:]] == [1, 1.5, 1]
 
 
-def test_a_syntax_error_is_told_with_its_cell_and_line_instead_of_not_found(marked):
-    result = marked({"double": "def double(x):\n    return 2 * (x", "plus_one": "plus = 1"})
+def test_a_definition_that_fails_is_told_with_its_cell_line_and_error_instead_of_not_found(marked):
+    base = "class plus_one(Base): pass"
+    total = "@jit\ndef total(x):\n    return 2 * x"
+    result = marked(
+        {"double": "def double(x):\n  return 2 * (x", "plus_one": base, "both": "b = 1", "total": total}
+    )
     double = of(result, "double")
     assert "which defines it, cannot run: SyntaxError in line 2: '(' was never closed. Correct" in double.text
-    assert re.match(r"Code cell \d+,", double.text) and double.public == () and double.state == "raised"
-    # It is not defined anywhere, and no cell has an error.
-    assert of(result, "plus_one").state == "not found"
+    assert re.match(r"Code cell \d+,", double.text) and double.public == ()
+    assert "Code cell 3, which defines it, stops in line 1: NameError" in of(result, "plus_one").text
+    assert "Code cell 5, which defines it, stops in line 2: NameError" in of(result, "total").text
+    assert states(result) == dict.fromkeys(chain.RIGHT, "raised") | {"both": "not found"}
 
 
-@pytest.mark.parametrize(
-    ("source", "error"),
-    [
-        ("def double(x: NDArray):\n    return 2 * x", "NameError"),
-        ("@jit\ndef double(x):\n    return 2 * x", "NameError"),
-        ("np = 3\ndef double(x, factor=np.full(1, 2)):\n    return factor * x", "AttributeError"),
-        ("class double(Base):\n    pass", "NameError"),
-    ],
-)
-def test_a_definition_that_fails_is_told_with_its_cell_line_and_error(marked, source, error):
-    double = of(marked({"double": source}), "double")
-    line = 1 + next(n for n, text in enumerate(source.splitlines()) if text.startswith(("def", "class")))
-    assert double.state == "raised"
-    assert f"Code cell 2, which defines it, stops in line {line}: {error}" in double.text
-
-
-def test_another_lessons_notebook_is_refused_and_named_unless_it_defines_an_exercise(marked):
+def test_another_lessons_notebook_is_refused_unless_it_defines_an_exercise(marked):
     stamp = (chain.LESSON.encode(), b"91_other\x1b[1m".replace(b"\x1b", b"\\u001b"))
     theirs = chain.notebook().replace(*stamp)
     assert marked(content=theirs).earned == 7
@@ -293,29 +262,15 @@ def test_another_lessons_notebook_is_refused_and_named_unless_it_defines_an_exer
     assert refused.status == "refused" and "lesson '91_other\\x1b[1m'" in refused.reason
     broken = theirs.replace(b"def ", b"def other_").replace(b"def other_double(x):", b"def double(x:")
     assert of(marked(content=broken), "double").state == "raised"
-
-
-def test_zero_bytes_behind_a_notebook_and_other_encodings_cost_nothing(marked):
-    plain = marked({"double": "def double(x):\n    raise ValueError('\xe4')"})
-    text = chain.notebook({"double": "def double(x):\n    raise ValueError('\xe4')"}).decode()
-    text = text.replace("\\u00e4", "\xe4")
-    for content in (text.encode() + b"\0" * 512, text.encode("utf-16"), text.encode("cp1252")):
-        again = marked(content=content)
-        assert again.exercises == plain.exercises and of(again, "double").line
-
-
-def test_a_name_that_is_used_again_is_named_with_its_cell(marked):
-    double = of(marked({"double": "def double(x):\n    return np.multiply(x, 2)"}, extra="np = 3"), "double")
-    assert "name np" in double.public[-2] and double.public[-1].startswith("Code cell 6 ")
+    result = marked(content=chain.notebook({"double": "import os\nx = os._exit(5)", "plus_one": "pass"}))
+    found = states(result)
+    assert (result.status, found["plus_one"], found["total"]) == ("graded", "not found", "right")
 
 
 # Each is right in its version of Python; the grader of these tests is older than 3.90.
 NEWER = {
     "3.12": 'def double(x):\n    return f"{x["a"]}"',
-    "3.12 alias": "type Numbers = list[float]\ndef double(x):\n    return 2 * x",
-    "3.12 generic": "def double[T](x: T) -> T:\n    return 2 * x",
     "3.14": "def double(x):\n    try:\n        return 2 * x\n    except ValueError, TypeError:\n        return x",
-    "3.14 template": "def double(x):\n    return t'{x}'",
     "a name": "import math\ndef double(x):\n    return x * math.of_a_newer_python(2)",
     "an import": "from itertools import of_a_newer_python\ndef double(x):\n    return of_a_newer_python(x)",
     "a library": "def double(x):\n    return np.of_a_newer_numpy(x)",
@@ -344,7 +299,7 @@ def test_what_an_older_python_cannot_read_waits_for_a_person(marked, source):
 
 def test_a_mistake_in_a_newer_pythons_notebook_is_a_mistake_and_annotations_are_as_it_has_them(marked):
     for source, state in {
-        "def double(x):\n    return 3 * x": "wrong",
+        chain.MISTAKES["double"]: "wrong",
         "def double(x):\n    return x.nothing": "raised",
         "doubled = 3": "not found",
         chain.BLANK["double"]: "not attempted",
@@ -352,10 +307,9 @@ def test_a_mistake_in_a_newer_pythons_notebook_is_a_mistake_and_annotations_are_
         assert of(marked(content=written_in("3.90.1", {"double": source})), "double").state == state
     forward = {"double": "def double(x: Later) -> Later:\n    return 2 * x\n\nclass Later: ..."}
     assert of(marked(content=written_in("3.14.0", forward)), "double").state == "right"
-    assert of(marked(content=written_in("3.13.0", forward)), "double").state in ("raised", "right")
 
 
-def test_the_kind_of_failure_the_line_and_the_difference_in_shape_are_told(marked):
+def test_the_kind_of_failure_the_line_and_the_name_that_is_used_again_are_told(marked):
     def double(body):
         return of(marked({"double": f"def double(x):\n    {body}"}), "double")
 
@@ -364,30 +318,24 @@ def test_the_kind_of_failure_the_line_and_the_difference_in_shape_are_told(marke
     assert raised.line == "line 3: return y / 0 if len(x) < 3 else y.nothing"
     assert "3 dimensions instead of 2" in double("return 2 * x[:, :, None]").text
     assert "another size along axis 1" in double("return 2 * x[:, :1]").text
+    double = of(marked({"double": "def double(x):\n    return np.multiply(x, 2)"}, extra="np = 3"), "double")
+    assert "name np" in double.public[-2] and double.public[-1].startswith("Code cell 6 ")
 
 
 LEAKS = {
     "message": "raise ValueError(str(x.tolist()))",
     "class": "raise type(f'E{x[0, 0]:.3f}', (Exception,), {})()",
-    "line": "exec(compile(f'1 / 0 # {x[0, 0]:.3f}', '<f>', 'exec'))",
     "linecache": "import linecache; t = f'1/0  # {x[0, 0]:.3f}\\n'; "
     "linecache.cache['<f>'] = (len(t), None, [t], '<f>'); exec(compile(t, '<f>', 'exec'))",
     "line number": "n = abs(int(x[0, 0] * 1000)); exec(compile('\\n' * min(n, 10**6) + '1 / 0', '<f>', 'exec'))",
     "shape": "return np.zeros((abs(int(x[0, 0] * 100)), 1), bool)",
-    "value": "return x",
-    "text": "return str(x.tolist())",
-    "key": "return {f'{x[0, 0]:.3f}': 1}",
-    "print": "print(x.tolist()); return x",
-    "unsendable": "return type(f'T{x[0, 0]:.3f}', (), {})()",
     "status": "import os; os._exit(int(abs(x[0, 0])) % 256)",
 }
 
 
 @pytest.mark.parametrize("kind", LEAKS)
 def test_no_hidden_input_finds_a_way_out(marked, assignment, kind):
-    functions = {
-        name: f"def {name}(x):\n    if x.shape == (4, 3): {LEAKS[kind]}\n    return x" for name in chain.RIGHT
-    }
+    functions = {name: f"def {name}(x):\n  if len(x) == 4: {LEAKS[kind]}\n  return x" for name in chain.RIGHT}
     result = marked(functions)
     told = told_to_the_student(result)
     assert not [number for number in hidden_numbers(assignment) if number in told]
@@ -499,7 +447,7 @@ def double(x):
     assert found == dict.fromkeys(chain.RIGHT, "right") | {"both": "raised"}, "it calls both of them"
 
 
-def test_a_comparison_that_cannot_gather_the_answers_costs_that_exercise_alone(marked, assignment):
+def test_a_comparison_that_fails_costs_that_exercise_alone(marked, assignment, monkeypatch):
     class Fails(Close):
         def gather(self, case, answers):
             raise OverflowError(list(answers))
@@ -509,26 +457,23 @@ def test_a_comparison_that_cannot_gather_the_answers_costs_that_exercise_alone(m
     result = marked(given=replace(assignment, tasks=(double, *others)))
     assert states(result) == dict.fromkeys(chain.RIGHT, "right") | {"double": "no usable answer"}
 
+    def compare(self, expected, got):
+        raise MemoryError
+
+    monkeypatch.setattr(Close, "compare", compare)
+    result = marked()
+    assert set(states(result).values()) == {"no usable answer"}
+    assert result.exercises[0].public == ("90.1 double: its answer could not be read.",)
+
 
 DIES = "import os\nn = []\ndef double(x):\n    n.append(x.shape)\n    {}\n    return 2 * x"
 
 
-SIGNAL = "os.kill(os.getpid(), {})"
-
-
-@pytest.mark.parametrize(
-    ("how", "tries"),
-    [
-        ("os._exit(3)", 1),
-        (SIGNAL.format(11), 1),
-        ("os.abort()", 1),
-        (SIGNAL.format(9), 2),
-        (SIGNAL.format(15), 2),
-    ],
-)
-def test_only_who_may_have_been_ended_by_somebody_else_gets_a_second_try(marked, monkeypatch, how, tries):
+@pytest.mark.parametrize(("number", "tries"), [(0, 1), (11, 1), (9, 2), (15, 2)])
+def test_only_who_may_have_been_ended_by_somebody_else_gets_a_second_try(marked, monkeypatch, number, tries):
     drawn, real = [], module._grade
     monkeypatch.setattr(module, "_grade", lambda *words: (drawn.append(words[1]), real(*words))[1])
+    how = f"os.kill(os.getpid(), {number})" if number else "os._exit(3)"
     result = marked({"double": DIES.format(how)})
     assert of(result, "double").state == "died" and len(drawn) == tries
     if tries == 2:
@@ -538,9 +483,7 @@ def test_only_who_may_have_been_ended_by_somebody_else_gets_a_second_try(marked,
         assert drawn[0].hash == drawn[1].hash
 
 
-@pytest.mark.parametrize(
-    "says", ["nothing", "the process was ended by signal 9 (Killed)", "it ends Python itself; x"]
-)
+@pytest.mark.parametrize("says", ["nothing", "it was ended by signal 9 (Killed)", "it ends Python itself; x"])
 def test_a_second_try_tells_of_public_cases_what_the_first_did(marked, monkeypatch, says):
     """By then it may have found a way to remember hidden inputs, and its page shows what a public case raises."""
     real, tries = module._grade, []
@@ -558,41 +501,17 @@ def test_a_second_try_tells_of_public_cases_what_the_first_did(marked, monkeypat
     assert ": try 2" not in told_to_the_student(result)
 
 
-def test_what_is_no_notebook_is_refused_with_a_reason_and_0_points(warm_server, assignment, handed_in):
-    broken = [b"{", b"\xff\xfe\x00", b"[" * 100_000, b'{"cells": 7}', b"PK\x03\x04"]
-    for content, reason in (
-        {b"": "empty", b" \n": "empty"} | dict.fromkeys(broken, "not a notebook")
-    ).items():
+def test_an_error_of_the_graders_own_is_no_score(warm_server, assignment, handed_in, monkeypatch):
+    reasons = dict.fromkeys((b"{", b"[" * 100_000, b"PK\x03\x04"), "not a notebook")
+    for content, reason in ({b"": "empty"} | reasons).items():
         handed_in.path.write_bytes(content)
         result = grade(replace(handed_in, notes=("a note",)), assignment, warm_server)
         assert (result.status, result.earned, result.points) == ("refused", 0, 7) and reason in result.reason
         assert [each.state for each in result.exercises] == ["not found"] * 4
         assert result.written[0].text == "" and result.notes == ("a note",) and result.submission
-
-
-def test_a_notebook_that_only_ends_python_is_graded_as_that(marked):
-    result = marked(content=chain.notebook({"double": "import os\nx = os._exit(5)", "plus_one": "pass"}))
-    assert (result.status, states(result)["plus_one"], states(result)["total"]) == (
-        "graded",
-        "not found",
-        "right",
-    )
-
-
-def test_an_error_of_the_graders_own_is_no_score(warm_server, assignment, handed_in, monkeypatch):
     monkeypatch.setattr(module, "_written", lambda *_: 1 / 0)
     with pytest.raises(GraderError, match="ada, 90_chain: the grader failed .ZeroDivisionError"):
         grade(handed_in, assignment, warm_server)
-
-
-def test_an_answer_that_the_comparison_falls_over_is_no_usable_answer(marked, monkeypatch):
-    def compare(self, expected, got):
-        raise MemoryError
-
-    monkeypatch.setattr(Close, "compare", compare)
-    result = marked()
-    assert set(states(result).values()) == {"no usable answer"}
-    assert result.exercises[0].public == ("90.1 double: its answer could not be read.",)
 
 
 @pytest.mark.slow
@@ -617,9 +536,7 @@ def test_a_lost_server_has_the_submission_graded_again_by_one_of_its_own(
     assert len(used) == 3
 
 
-def test_grading_can_be_given_up_and_an_assignment_be_sent_to_another_process(
-    warm_server, assignment, handed_in
-):
+def test_grading_can_be_given_up_and_an_assignment_can_be_sent(warm_server, assignment, handed_in):
     with pytest.raises(Stopped):
         grade(handed_in, assignment, warm_server, stopped=lambda: True)
     assert grade(handed_in, pickle.loads(pickle.dumps(assignment))).earned == 7
@@ -706,9 +623,9 @@ def test_what_is_unusual_is_said_to_student_and_assistant(warm_server, lesson_01
     retyped["cell_type"] = "raw"
     cells += [{**doubled, "id": "copy"}, {"cell_type": "markdown", "source": "my notes"}]
     result = grade(with_cells(tmp_path, cells), lesson_01, warm_server)
-    found = {each.name: each for each in result.exercises}
-    assert (found["hue_mask"].state, "Raw cell" in found["hue_mask"].text) == ("not found", True)
-    assert found["white_threshold"].state == "right" and "code cells" in found["white_threshold"].notes[0]
+    hue_mask, white = of(result, "hue_mask"), of(result, "white_threshold")
+    assert hue_mask.state == "not found" and "Raw cell" in hue_mask.text
+    assert white.state == "right" and "code cells" in white.notes[0]
     assert result.written[0].text == "" and "none at this question" in result.written[0].note
-    said = "\n".join(result.notes)
-    assert all(f"{name}: " in said for name in ("hue_mask", "white_threshold", "explain_stray_pixel"))
+    for name in ("hue_mask", "white_threshold", "explain_stray_pixel"):
+        assert f"{name}: " in "\n".join(result.notes)

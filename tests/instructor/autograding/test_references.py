@@ -9,7 +9,6 @@ from types import SimpleNamespace
 import pytest
 
 from nao_course.exercises import earlier as earlier_module
-from nao_course.exercises.case import Case
 from nao_course.exercises.earlier import Calls
 from nao_course.exercises.running import Outcome
 from nao_course.instructor.autograding import grader as grader_module
@@ -20,8 +19,7 @@ from nao_course.instructor.autograding.grader import Stopped, grade
 from nao_course.instructor.autograding.references import STOOD_IN, References, recorded
 from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import Submission, with_earlier
-from nao_course.instructor.sandbox.protocol import Allowance, EarlierNotebook
-from nao_course.instructor.sandbox.worker import Worker
+from nao_course.instructor.sandbox.protocol import Allowance
 from tests.sandboxed import quickly
 from tests.toy import pair
 
@@ -65,10 +63,13 @@ STOOD_IN_FOR = ALL | {"walk": 2.0}
 WALKER = pair.RIGHT[pair.SECOND]["Walker"]
 
 
-def test_earlier_work_that_was_handed_in_is_used(marked):
+def test_earlier_work_that_was_handed_in_is_used_with_the_set_up_cell_of_the_release(marked, monkeypatch):
     result = marked()
     assert earned(result) == ALL
     assert not any(each.with_reference or each.notes for each in result.exercises) and result.notes == ()
+    edited = "from nao_course.student import earlier\ndouble = earlier('80:Counter')"
+    monkeypatch.setitem(pair.SETUP, pair.SECOND, edited)
+    assert earned(marked())["quadruple"] == 1
 
 
 @pytest.mark.parametrize("first", [None, b"{"], ids=["missing", "no notebook"])
@@ -83,17 +84,14 @@ def test_without_earlier_work_it_is_judged_with_the_references_and_says_so(marke
     assert quadruple.public[-1] == STOOD_IN
 
 
-def test_the_page_says_of_the_public_cases_what_the_check_says_in_the_notebook(marked):
-    own = of(marked({"quadruple": "def quadruple(x):\n    return double(x)"}), "quadruple").public
-    assert "all 2" not in own[0] and STOOD_IN not in own
-    wrong_before = of(marked(first={"double": "def double(x):\n    return x"}), "quadruple").public
-    assert "all 2 public checks pass" in wrong_before[0] and wrong_before[-1] == STOOD_IN
-
-
 def test_wrong_earlier_work_costs_nothing_here_and_a_wrong_function_of_their_own_does(marked):
     result = marked(first={"double": "def double(x):\n    return x"})
     assert earned(result) == STOOD_IN_FOR
-    assert "lesson 80 came from the 80_first.ipynb that you handed in." in of(result, "quadruple").notes[0]
+    quadruple = of(result, "quadruple")
+    assert "lesson 80 came from the 80_first.ipynb that you handed in." in quadruple.notes[0]
+    assert "all 2 public checks pass" in quadruple.public[0] and quadruple.public[-1] == STOOD_IN
+    own = of(marked({"quadruple": "def quadruple(x):\n    return double(x)"}), "quadruple").public
+    assert "all 2" not in own[0] and STOOD_IN not in own
     wrong = marked({"tally": "def tally(x):\n    return Counter().total()"}, first={"Counter": "pass"})
     assert earned(wrong) == ALL | {"tally": 0.0}
     said = "reference's Counter of lesson 80 instead of yours: it is not right either"
@@ -112,7 +110,7 @@ def test_a_wrong_class_of_the_lesson_is_replaced_where_another_exercise_uses_it(
     assert earned(both) == STOOD_IN_FOR | {"Walker": 0.0, "quadruple": 0.0}
 
 
-def test_what_an_answer_uses_undeclared_stands_in_as_well(marked):
+def test_what_an_answer_or_the_reference_uses_undeclared_stands_in_as_well(marked, tmp_path, monkeypatch):
     helper = "def twice(x):\n    return double(x)\n"
     undeclared = {"alone": "def alone(x):\n    return twice(x) - x + 1"}
     alone = of(marked(undeclared, handed_in=False, before=helper), "alone")
@@ -120,17 +118,13 @@ def test_what_an_answer_uses_undeclared_stands_in_as_well(marked):
     assert "reference's double of lesson 80 instead of yours: it is right" in alone.notes[0]
     walker = WALKER.replace("self.at = start", "self.at = double(start) / 2")
     assert earned(marked({"Walker": walker}, handed_in=False)) == STOOD_IN_FOR
-
-
-def test_a_class_of_the_reference_has_what_it_uses_undeclared(marked, tmp_path, monkeypatch):
-    walker = WALKER.replace("self.at = start", "self.at = double(start) / 2")
     monkeypatch.setitem(pair.RIGHT[pair.SECOND], "Walker", walker)
     given = prepare(pair.make_course(tmp_path / "course"), "81", pair.SECRET)
     result = marked({"Walker": "pass"}, handed_in=False, given=given)
     assert earned(result) == STOOD_IN_FOR | {"Walker": 0.0}
 
 
-def test_who_reads_the_references_class_gains_nothing_elsewhere(marked):
+def test_who_reads_the_references_class_or_patches_the_driver_gains_nothing(marked):
     steals = pair.RIGHT[pair.SECOND]["alone"].replace("return x + 1", "return KEPT.at + 1")
     keeps = "KEPT = None\ndef walk(x):\n    global KEPT\n    KEPT = Walker(x)\n    KEPT.move(1.0)\n"
     keeps += "    return KEPT.estimate() + quadruple(x)"
@@ -138,6 +132,14 @@ def test_who_reads_the_references_class_gains_nothing_elsewhere(marked):
     assert earned(result) == ALL | {"Walker": 0.0, "walk": 2.0, "alone": 0.0}
     told = json.dumps([[each.text, each.line, each.public, each.notes] for each in result.exercises])
     assert "self.at" not in told
+    patch = (
+        "from nao_course.exercises import running, earlier as other\n"
+        "running._DRIVERS['methods'] = lambda made_by, given, turns: [(name, 0.0) for name, _ in turns]\n"
+        "other.assigned_use = None\n"
+        "def earlier(use): return lambda *_: 0.0"
+    )
+    result = marked({"Walker": "class Walker: pass"}, before=patch)
+    assert earned(result)["Walker"] == 0.0 and earned(result)["alone"] == 16
 
 
 HOSTILE = {
@@ -157,32 +159,15 @@ def test_a_hostile_earlier_notebook_costs_only_what_uses_it(marked, kind):
     assert earned(result)["quadruple"] == (0.0 if kind == "patching" else 1.0)
 
 
-def test_a_patched_driver_or_resolver_gains_nothing(marked):
-    patch = (
-        "from nao_course.exercises import running, earlier as other\n"
-        "running._DRIVERS['methods'] = lambda made_by, given, turns: [(name, 0.0) for name, _ in turns]\n"
-        "other.assigned_use = None\n"
-        "def earlier(use): return lambda *_: 0.0"
-    )
-    result = marked({"Walker": "class Walker: pass"}, before=patch)
-    assert earned(result)["Walker"] == 0.0 and earned(result)["alone"] == 16
-
-
-def test_the_set_up_cell_that_counts_is_the_releases(marked, monkeypatch):
-    edited = "from nao_course.student import earlier\ndouble = earlier('80:Counter')"
-    monkeypatch.setitem(pair.SETUP, pair.SECOND, edited)
-    assert earned(marked())["quadruple"] == 1
-
-
 @pytest.mark.parametrize("warm", [True, False])
 def test_helper_files_of_two_lessons_may_have_one_name(assignment, warm_server, tmp_path, warm):
-    first = {"double": "from mine import twice\ndef double(x):\n    return twice(x)"}
-    second = {"alone": "from mine import after\ndef alone(x):\n    return after(x)"}
-    helpers = {pair.FIRST: "def twice(x): return 2 * x", pair.SECOND: "def after(x): return x + 1"}
     made = {}
-    for lesson, functions in ((pair.FIRST, first), (pair.SECOND, second)):
+    for lesson, helper, functions in (
+        (pair.FIRST, "def help(x): return 2 * x", {"double": "from mine import help as double"}),
+        (pair.SECOND, "def help(x): return x + 1", {"alone": "from mine import help as alone"}),
+    ):
         path = pair.write(tmp_path / lesson / f"{lesson}.ipynb", lesson, functions)
-        path.with_name("mine.py").write_text(helpers[lesson])
+        path.with_name("mine.py").write_text(helper)
         made[lesson] = Submission("ada", lesson, path, (("mine.py", path.with_name("mine.py")),))
     submission = replace(made[pair.SECOND], earlier=(made[pair.FIRST],))
     result = grade(submission, assignment, warm_server if warm else None)
@@ -197,20 +182,16 @@ def references(assignment):
         )
 
 
-def test_what_a_lent_function_says_beside_its_answer_stays_with_the_grader(references):
+def test_what_is_lent_has_its_own_earlier_lessons_and_says_nothing_but_its_answer(references, assignment):
     made = references()
     outcome = Outcome("raised", text="ValueError", line="line 3: the solution's", output="its print")
     made.workers["80"] = SimpleNamespace(call=lambda *_: outcome)
     assert made.function("80:double")((1.0,), {}) == Outcome("raised", text="ValueError")
-
-
-def test_the_reference_of_each_lesson_has_those_before_it(assignment, references):
     first = assignment.earlier[0]
-    made = references(
-        replace(assignment, lesson="82_third", earlier=(first, replace(first, lesson=pair.SECOND)))
-    )
-    earlier = {number: [each.lesson for each in made.worker(number).earlier] for number in ("80", "81", "")}
-    assert earlier == {"80": [], "81": [pair.FIRST], "": [pair.FIRST, pair.SECOND]}
+    earlier = (first, replace(first, lesson=pair.SECOND))
+    made = references(replace(assignment, lesson="82_third", earlier=earlier))
+    found = {number: [each.lesson for each in made.worker(number).earlier] for number in ("80", "81", "")}
+    assert found == {"80": [], "81": [pair.FIRST], "": [pair.FIRST, pair.SECOND]}
 
 
 FLOOD = """
@@ -240,13 +221,9 @@ def test_a_flood_of_questions_ends_with_the_time_to_answer_them(marked, monkeypa
 
 def test_who_stops_the_grader_does_not_wait_for_a_flood_of_questions(assignment, warm_server, tmp_path):
     asked = count()
+    flood = second_of(tmp_path, {"quadruple": FLOOD})
     with pytest.raises(Stopped):
-        grade(
-            second_of(tmp_path, {"quadruple": FLOOD}),
-            assignment,
-            warm_server,
-            stopped=lambda: next(asked) > 200,
-        )
+        grade(flood, assignment, warm_server, stopped=lambda: next(asked) > 200)
 
 
 def test_recorded_answers_are_looked_up_by_a_digest(assignment, monkeypatch):
@@ -300,31 +277,16 @@ def test_all_tries_share_the_time_of_the_reference_and_each_exercise_has_its_own
 ):
     tries, real = iter([1, 1, 0]), grader_module._grade
     monkeypatch.setattr(grader_module, "_grade", lambda *args: (real(*args)[0], next(tries)))
-    grade(second_of(tmp_path), assignment, warm_server)
+    tasks = [replace(task, public=replace(task.public, seconds=2 * AMPLE)) for task in assignment.tasks]
+    grade(second_of(tmp_path), replace(assignment, tasks=tuple(tasks)), warm_server)
     spent = [args[-1] for args in noted]
     assert len(spent) == 2 * len({id(each) for each in spent})
     assert len({id(each.common) for each in spent}) == 1
+    assert {args[-2] for args in noted} == {2 * AMPLE}, "the time of the exercise that calls it"
 
 
 def second_of(folder, functions=None):
     return Submission("ada", pair.SECOND, pair.write(folder / f"{pair.SECOND}.ipynb", pair.SECOND, functions))
-
-
-def test_a_lent_function_has_the_time_of_the_exercise_that_calls_it(assignment, warm_server, tmp_path, noted):
-    tasks = [replace(task, public=replace(task.public, seconds=2 * AMPLE)) for task in assignment.tasks]
-    grade(second_of(tmp_path), replace(assignment, tasks=tuple(tasks)), warm_server)
-    assert {args[-2] for args in noted} == {2 * AMPLE}
-
-
-def test_what_is_lent_is_lent_until_it_is_not(tmp_path):
-    first = pair.write(tmp_path / "a.ipynb", pair.FIRST)
-    own = EarlierNotebook(pair.FIRST, first.read_bytes(), setup=pair.SETUP[pair.FIRST])
-    setup = pair.SETUP[pair.SECOND]
-    with Worker(second_of(tmp_path).path, setup=setup, earlier=[own], seconds=AMPLE) as worker:
-        worker.stand_in({"80:double": lambda args, kwargs: Outcome("value", 100.0)})
-        assert worker.call("quadruple", Case((1.0,))).value == 100.0
-        worker.stand_in({})
-        assert worker.call("quadruple", Case((1.0,))).value == 4.0
 
 
 @pytest.mark.slow

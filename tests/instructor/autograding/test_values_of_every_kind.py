@@ -53,9 +53,7 @@ def hand_in(folder, functions=None):
 @pytest.mark.parametrize("right", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_the_grader_judges_values_of_every_kind(assignment, warm_server, tmp_path, right):
     path = hand_in(tmp_path, {} if right else values.WRONG)
-    result = grade(
-        Submission("ada", values.LESSON, path, file="ada/x.ipynb"), assignment, warm_server, "full"
-    )
+    result = grade(Submission("ada", values.LESSON, path, file="a.ipynb"), assignment, warm_server, "full")
     found = {each.name: each.state for each in result.exercises}
     assert found == dict.fromkeys(values.RIGHT, "right" if right else "wrong"), result.exercises
     assert result.earned == (len(values.RIGHT) if right else 0)

@@ -20,22 +20,17 @@ def contains(text, value):
     return any(each.is_rounded(value) for each in numbers_in(text))
 
 
-FOUND = (
-    "1.08; 1,083; Mean: 1.0834!; (1.08; from 1.08 to 2; 1.08.; 0.95-1.08; 1.05 \u2013 1.08; 10.834e-1; +1.08"
-)
+FOUND = "1.08; 1,083; Mean: 1.0834!; (1.08; from 1.08 to 2; 1.08.; 0-1.08; 1.05 \u2013 1.08; 10.834e-1; +1.08"
 OTHERS = "; 1.1; 1.09; 11.08; 108; 1.0836567891; -1.08; \u22121.08; 1.07"
 
 
-def test_a_rounded_number_is_found_in_an_answer_and_another_one_is_not():
+def test_a_rounded_number_is_found_in_an_answer_and_a_dash_is_not_a_sign():
     precise = ("1.0834000000000001", "1.08341\u00b10.01", "mean=1.0833561243")
     assert [text for text in (*FOUND.split("; "), *precise) if not contains(text, 1.0834)] == []
     assert [text for text in (*OTHERS.split("; "), "1." + "0" * 99) if contains(text, 1.0834)] == []
-
-
-@pytest.mark.parametrize("minus", "-\u2212\u2013")
-def test_a_sign_is_read_and_a_dash_is_not_a_sign(minus):
-    assert contains(f"It is {minus}0.25 m.", -0.25) and not contains(f"It is {minus}0.25 m.", 0.25)
-    assert contains(f"0.30{minus}0.45 m", 0.45) and not contains(f"0.30{minus}0.45 m", -0.45)
+    for minus in "-\u2212\u2013":
+        assert contains(f"It is {minus}0.25 m.", -0.25) and not contains(f"It is {minus}0.25 m.", 0.25)
+        assert contains(f"0.30{minus}0.45 m", 0.45) and not contains(f"0.30{minus}0.45 m", -0.45)
 
 
 def test_a_marker_reads_which_of_a_students_numbers_are_in_the_answer():

@@ -54,11 +54,8 @@ def test_mean_median_and_range_count_what_people_changed_and_marked(tmp_path):
 
 
 def test_times_and_lateness_stand_in_a_table_with_the_late_ones_first():
-    made = [
-        result("ada", exercise(), handed_in="2026-11-20 22:10+00:00"),
-        result("ben", exercise(), late=True),
-        result("eve", exercise()),
-    ]
+    in_time = result("ada", exercise(), handed_in="2026-11-20 22:10+00:00")
+    made = [in_time, result("ben", exercise(), late=True), result("eve", exercise())]
     text = " ".join(Page(report_page(scores(made))).text.split())
     assert "Handed in, 1 late student handed in late deducted ben yes ada 2026-11-20 22:10+00:00" in text
     assert "Handed in" not in Page(report_page(scores(made[2:]))).text
@@ -107,23 +104,6 @@ def test_refused_submissions_are_listed_with_reasons_and_lower_no_mean():
     assert sum(only.counts.values()) == 1
 
 
-def test_lessons_stand_one_after_the_other():
-    text = text_of(scores([result("ada", exercise(), lesson=name) for name in ("02_posts", LESSON)]))
-    assert text.index("Lesson 01") < text.index("Lesson 02") and "1 student, 2 submissions" in text
-
-
-def test_small_and_odd_classes_have_a_page():
-    odd = [
-        class_of("right", points=0.0, earned=0.0),
-        [score(result("ada"))],
-        [score(result("ada", answer()))],
-    ]
-    for made in ([], *odd, [score(result("ada", status="refused", reason="x"))]):
-        page = Page(report_page(made))
-        assert page.offences() == [] and "The class's results" in page.text
-        assert ("Nothing has been graded yet." in page.text) == (not made)
-
-
 def test_figures_are_whole_pictures_with_words_and_the_same_each_time():
     made = class_of("right", "wrong", "raised")
     assert report_page(made) == report_page(made)
@@ -165,3 +145,13 @@ def test_the_page_keeps_its_elements_whatever_anybody_wrote(text):
 
     found = page(text)
     assert found.offences() == [] and bare(found) == bare(page("fine"))
+
+
+def test_small_and_odd_classes_have_a_page_and_lessons_stand_one_after_the_other():
+    text = text_of(scores([result("ada", exercise(), lesson=name) for name in ("02_posts", LESSON)]))
+    assert text.index("Lesson 01") < text.index("Lesson 02") and "1 student, 2 submissions" in text
+    odd = (result("ada"), result("ada", answer()), result("ada", status="refused", reason="x"))
+    for made in ([], class_of("right", points=0.0, earned=0.0), *([score(each)] for each in odd)):
+        page = Page(report_page(made))
+        assert page.offences() == [] and "The class's results" in page.text
+        assert ("Nothing has been graded yet." in page.text) == (not made)

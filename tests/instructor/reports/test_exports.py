@@ -59,14 +59,11 @@ def test_a_student_is_a_row_and_an_exercise_a_column(journal):
     assert (ada["1.W1 why_hsl"], ada["total"]) == ("1.25", "3.25") and "02_posts points" not in ada
 
 
-def test_exercises_stand_before_questions_and_a_refusal_with_its_reason():
+def test_exercises_stand_before_questions_and_a_refusal_or_lateness_with_its_reason():
     (header, _) = csv_table(scores([result("ada", answer(), exercise())])).decode("utf-8-sig").splitlines()
     assert header.startswith("student,1.1 rgb_to_hsl,1.W1 why_hsl,")
     (row,) = rows_of([score(result("ada", exercise("not found"), status="refused", reason="it is empty"))])
     assert (row["total"], row[f"{LESSON} status"], row[f"{LESSON} notes"]) == ("0", "refused", "it is empty")
-
-
-def test_a_time_and_lateness_stand_in_the_table_and_cost_nothing():
     late = result("ada", exercise(), handed_in="2026-11-20 23:59+00:00", late=True)
     ada, bob = rows_of(scores([late, result("bob", exercise())]))
     assert (ada[f"{LESSON} handed in"], ada[f"{LESSON} late"]) == ("2026-11-20 23:59+00:00", "yes")
@@ -74,10 +71,17 @@ def test_a_time_and_lateness_stand_in_the_table_and_cost_nothing():
     assert ada["total"] == bob["total"] == "2"
 
 
-def test_an_empty_journal_is_a_header(journal, tmp_path):
+def test_every_student_gets_a_file_and_an_empty_journal_is_a_header(journal, tmp_path):
     assert csv_table([]).decode("utf-8-sig") == "student,total\r\n"
     assert write_csv(journal, tmp_path / "x").read_bytes() == csv_table([])
     assert write_gradescope(journal, tmp_path / "x") == []
+    names = ["ada", "Ada", "../eve", *(each for each in HOSTILE if each.isprintable())]
+    for name in names:
+        journal.keep(result(name, exercise()))
+    paths = write_gradescope(journal, tmp_path / "out")
+    assert len({str(path).lower() for path in paths}) == len(set(names))
+    assert all(path.resolve().is_relative_to((tmp_path / "out").resolve()) for path in paths)
+    assert json.loads(paths[0].read_text(encoding="utf-8"))["score"] == 2.0
 
 
 @settings(max_examples=30, deadline=None)
@@ -91,14 +95,11 @@ def test_no_cell_of_any_table_is_a_formula_and_every_row_has_all_columns(some):
             assert not re.match(r"\s*[=+\-@\t\r]", cell), cell
 
 
-def test_the_sum_of_a_row_is_its_total():
+def test_the_sum_of_a_row_is_its_total_and_odd_names_stay_apart(journal):
     made = scores([result("ada", *(exercise(name=f"e{i}", earned=i / 7, points=9) for i in range(9)))])
     (row,) = rows_of(made)
     cells = [float(value) for name, value in row.items() if " e" in name]
     assert sum(cells) == pytest.approx(float(row["total"]), abs=1e-5) and len(cells) == 9
-
-
-def test_odd_names_stay_apart(journal):
     names = [*("Łucja Nguyễn", "ada", "Ada", "=1+1", "'=1+1", "a,b", 'a"b', "a\nb", "001", "1"), "x" * 300]
     for name in names:
         journal.keep(result(name, exercise()))
@@ -124,21 +125,16 @@ def test_any_result_is_what_gradescope_specifies_and_holds_nothing_hidden(any_re
     assert not [secret for secret in (RUBRIC, MISTAKE, FOR_ASSISTANTS) if secret in text]
 
 
-def test_a_test_says_what_the_feedback_says():
+def test_a_test_says_what_the_feedback_says_and_what_a_person_marked_or_changed_counts():
     wrong = exercise("wrong", text="Its answer has the wrong shape.", hint="Swap the axes.", line="line 2: x")
     made = gradescope_results(score(result("ada", wrong, exercise(name="fine", number="1.2"), answer())))
     first, second = made["tests"]
-    assert all(
-        said in first["output"]
-        for said in ("Not right yet", "wrong shape", "Hint\nSwap the axes.", "line 2: x")
-    )
+    for said in ("Not right yet", "wrong shape", "Hint\nSwap the axes.", "line 2: x"):
+        assert said in first["output"]
     assert [first[key] for key in ("status", "number", "score", "max_score")] == ["failed", "1.1", 0.0, 2.0]
     assert (second["status"], second["name"]) == ("passed", "fine")
     assert made["output"] == "1 written answer to be marked by a person."
     assert made["stdout_visibility"] == "hidden"
-
-
-def test_what_a_person_marked_or_changed_counts_and_a_refusal_says_why():
     made = gradescope_results(score(result("ada", answer()), (), [mark(comment="Well.")]))
     (test,) = made["tests"]
     assert (test["score"], test["status"], test["output"], made["score"]) == (1.5, "failed", "Well.", 1.5)
@@ -149,22 +145,10 @@ def test_what_a_person_marked_or_changed_counts_and_a_refusal_says_why():
     assert made["output"] == "Refused: no zip" and made["tests"][0]["output"] == ""
 
 
-def test_every_student_gets_a_file(journal, tmp_path):
-    names = ["ada", "Ada", "../eve", *(each for each in HOSTILE if each.isprintable())]
-    for name in names:
-        journal.keep(result(name, exercise()))
-    paths = write_gradescope(journal, tmp_path / "out")
-    assert len({str(path).lower() for path in paths}) == len(set(names))
-    assert all(path.resolve().is_relative_to((tmp_path / "out").resolve()) for path in paths)
-    assert json.loads(paths[0].read_text(encoding="utf-8"))["score"] == 2.0
-
-
-@pytest.mark.parametrize(("name", "more"), [("nbgrader", ".*later version"), ("xls", r"\.$")])
-def test_another_format_is_refused_with_those_there_are(name, more):
-    with pytest.raises(
-        ExportError, match=f"no format '{name}'; there are csv, gradescope, moodle, canvas{more}"
-    ):
-        check_format(name)
+def test_another_format_is_refused_with_those_there_are():
+    for name, more in [("nbgrader", ".*later version"), ("xls", r"\.$")]:
+        with pytest.raises(ExportError, match=f"no format '{name}'; there are csv, gradescope, mo.*{more}"):
+            check_format(name)
 
 
 def command(*words, status=None):
@@ -202,7 +186,6 @@ def test_the_commands_have_switches_for_scaled_points_and_anonymous_marking(tmp_
     sheet.write_text("Student,ID,Lesson (1)\nPoints Possible,,100\nAda,77,\n")
     words = ("export", grades, "--format", "canvas", "--sheet", sheet, "--column", "Lesson")
     assert "is 100 points, and 01_hsl_filtering is worth 4" in command(*words, status=1)
-    assert not (grades / "exports").exists()
     assert "1 row filled in" in command(*words, "--scale")
     filled = (grades / "exports" / f"canvas_{LESSON}.csv").read_text("utf-8-sig").splitlines()
     assert filled[-1] == "Ada,77,50"

@@ -69,29 +69,26 @@ def test_a_sheet_has_a_row_for_each_answer_and_no_formula_and_the_page_has_the_r
     assert page.offences() == [] and page.text.index(RUBRIC) < page.text.index("I am ada")
 
 
-def test_marks_that_were_given_stand_in_the_next_sheet(journal, sheet, tmp_path):
-    journal.mark([mark(1.5, "-0.5: the sun", text="=I am ada\nand, that; is all")])
-    (written,) = write_sheets(journal, tmp_path / "marking", code)
-    row = next(row for row in read_table(written.table, HEADER, MORE) if row["student"] == "ada")
-    assert (row["points"], row["comment"]) == ("1.5", "-0.5: the sun")
-    assert written.open == len(STUDENTS) - 1
-    assert read_marks(journal, written.table, code).changed == ()
+def row_of(path, student):
+    return next(row for row in read_table(path, HEADER, MORE) if row["student"] == student)
 
 
-def test_an_answer_that_was_changed_after_its_mark_is_marked_again_beside_the_earlier_one(
-    journal, sheet, tmp_path
-):
-    save(sheet, filled(sheet, ["", "", "1.5", ""], ""))
+def test_a_mark_stands_in_the_next_sheet_and_beside_an_answer_that_has_changed(journal, sheet, tmp_path):
+    rows = filled(sheet, ["", "", "1.5", ""], "")
+    rows[3][rows[0].index("comment")] = "-0.5: the sun"
+    save(sheet, rows)
     read_marks(journal, sheet, code)
+    (written,) = write_sheets(journal, tmp_path / "marking", code)
+    row = row_of(written.table, "ada")
+    assert (row["points"], row["comment"], written.open) == ("1.5", "-0.5: the sun", len(STUDENTS) - 1)
+    assert read_marks(journal, written.table, code).changed == ()
     journal.keep(replace(result("ada", exercise(), answer(text="A new answer.")), submission="2"))
     (written,) = write_sheets(journal, tmp_path / "marking", code)
-    row = next(row for row in read_table(written.table, HEADER, MORE) if row["student"] == "ada")
+    row = row_of(written.table, "ada")
     assert (row["answer"], row["points"], written.open) == ("A new answer.", "", len(STUDENTS))
-    assert [row[name] for name in MORE[1:]] == ["=I am ada\nand, that; is all", "1.5", ""]
+    assert [row[name] for name in MORE[1:]] == ["=I am ada\nand, that; is all", "1.5", "-0.5: the sun"]
     page = Page(written.page.read_text("utf-8")).text
-    assert (
-        "A new answer." in page and "to mark again (1.5 for an earlier answer)" in page and "I am ada" in page
-    )
+    assert "A new answer." in page and "to mark again (1.5 for an earlier" in page and "I am ada" in page
     save(written.table, filled(written.table, ["", "", "1", ""], ""))
     assert len(read_marks(journal, written.table, code).open) == len(STUDENTS) - 1
     assert given_marks(journal)["ada"] == (1, "")
@@ -99,6 +96,8 @@ def test_an_answer_that_was_changed_after_its_mark_is_marked_again_beside_the_ea
 
 def test_a_mark_belongs_to_the_answer_in_the_sheet_even_if_it_has_changed_meanwhile(journal, sheet):
     rows = filled(sheet, ["", "", "1.5", ""], "")
+    save(sheet, [row[: len(HEADER)] for row in rows])  # a sheet of an earlier version
+    assert len(read_marks(journal, sheet, code).open) == len(STUDENTS) - 1
     journal.keep(replace(result("ada", exercise(), answer(text="A new answer.")), submission="2"))
     save(sheet, rows)
     taken = read_marks(journal, sheet, code)
@@ -107,12 +106,6 @@ def test_a_mark_belongs_to_the_answer_in_the_sheet_even_if_it_has_changed_meanwh
     save(sheet, rows)
     with pytest.raises(MarksError, match="row 4: the answer id 'another'"):
         read_marks(journal, sheet, code)
-
-
-def test_a_sheet_of_an_earlier_version_is_read(journal, sheet):
-    rows = filled(sheet, ["", "", "1.5", ""], "")
-    save(sheet, [row[: len(HEADER)] for row in rows])
-    assert len(read_marks(journal, sheet, code).open) == len(STUDENTS) - 1
 
 
 @pytest.mark.parametrize(("points", "comment"), [("1", ""), ("", "think again"), ("?", "")])
@@ -172,12 +165,9 @@ def test_an_empty_answer_has_no_row_and_counts_nowhere_until_a_person_gives_it_p
 
 def test_asterisks_in_a_question_and_a_rubric_are_emphasis(tmp_path):
     with Journal(tmp_path) as kept:
-        kept.keep(
-            result("ada", answer(question="This *or* that?", rubric="1 for a *or* b, `x*y*z`, 2 * 3 * 4"))
-        )
+        kept.keep(result("ada", answer(question="This *or* that?", rubric="a *or* b, `x*y*z`, 2 * 3 * 4")))
         text = write_sheets(kept, tmp_path, code)[0].page.read_text(encoding="utf-8")
-    assert "This <em>or</em> that?" in text
-    assert "1 for a <em>or</em> b, <code>x*y*z</code>, 2 * 3 * 4" in text
+    assert "This <em>or</em> that?" in text and "a <em>or</em> b, <code>x*y*z</code>, 2 * 3 * 4" in text
 
 
 def test_an_anonymous_sheet_and_page_name_nobody_and_come_back_to_the_students(journal, tmp_path):
@@ -188,69 +178,26 @@ def test_an_anonymous_sheet_and_page_name_nobody_and_come_back_to_the_students(j
     both = written.table.read_bytes().decode() + written.page.read_text(encoding="utf-8")
     assert not [name for name in ("Łucja", "Benjamin", "007", "1+1") if name in both]
     names = [row["student"] for row in read_table(written.table, HEADER, MORE)]
-    assert names == sorted(code(each) for each in STUDENTS)
-    assert code("Benjamin") in both
+    assert names == sorted(code(each) for each in STUDENTS) and code("Benjamin") in both
     order = sorted(STUDENTS, key=lambda each: code(each))
     save(written.table, filled(written.table, ["0", "0.5", "1", ""], ""))
-    taken = read_marks(journal, written.table, code)
-    assert given_marks(journal) == dict(zip(order[:3], [(0.0, ""), (0.5, ""), (1.0, "")], strict=True))
-    assert taken.open == ((code(order[3]), QUESTION),)
-
-
-def test_marks_in_an_anonymous_sheet_are_not_overwritten_and_need_their_secret(journal, tmp_path):
-    (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=True)
-    save(written.table, filled(written.table, ["1", "", "", ""], ""))
     with pytest.raises(MarksError, match="row 2, has a mark that was not read in"):
         write_sheets(journal, tmp_path / "marking", code)
     with pytest.raises(MarksError, match="no student 'student-.*' was graded .* with this secret: read an"):
         read_marks(journal, written.table, partial(student_code, b"another secret"))
     assert journal.marks() == []
-    read_marks(journal, written.table, code)
-    assert write_sheets(journal, tmp_path / "marking", code)[0].open == 3
+    taken = read_marks(journal, written.table, code)
+    assert given_marks(journal) == dict(zip(order[:3], [(0.0, ""), (0.5, ""), (1.0, "")], strict=True))
+    assert taken.open == ((code(order[3]), QUESTION),)
 
 
-VARIANTS = {
-    "as written": {},
-    "semicolons": {"separator": ";"},
-    "tabs in UTF-16": {"separator": "\t", "encoding": "utf-16"},
-    "UTF-16 without a mark": {"encoding": "utf-16-le", "separator": ";"},
-    "big-endian UTF-16 without a mark": {"encoding": "utf-16-be"},
-    "no mark": {"encoding": "utf-8"},
-    "line feeds": {"ending": "\n"},
-    "carriage returns": {"ending": "\r"},
-    "all quoted": {"quoting": csv.QUOTE_ALL, "separator": ";"},
-}
-
-
-@pytest.mark.parametrize("variant", VARIANTS)
-@pytest.mark.parametrize("comma", [False, True])
-def test_a_sheet_comes_back_from_any_spreadsheet(journal, sheet, variant, comma):
-    save(sheet, filled(sheet, ["0,5" if comma else "0.5", " 2 ", "0", "1,25"]), **VARIANTS[variant])
-    taken = read_marks(journal, sheet, code)
-    assert (taken.read, len(taken.changed), taken.open) == (4, 4, ())
-    order = sorted(STUDENTS)
-    assert given_marks(journal) == dict(
-        zip(order, [(p, "Good.") for p in (0.5, 2.0, 0.0, 1.25)], strict=True)
-    )
-
-
-def test_reading_twice_changes_nothing_and_points_taken_out_of_a_sheet_stay(journal, sheet):
-    save(sheet, filled(sheet, ["1"] * 4))
-    assert len(read_marks(journal, sheet, code).changed) == 4
-    before = journal.marks()
-    again = read_marks(journal, sheet, code)
-    assert (again.read, again.changed) == (4, ()) and journal.marks() == before
-    save(sheet, filled(sheet, [""] * 4, ""))
-    assert read_marks(journal, sheet, code).read == 0 and journal.marks() == before
-
-
-def test_windows_own_encoding_is_read(journal, tmp_path):
-    with Journal(tmp_path / "other") as other:
-        other.keep(result("José", answer()))
-        (written,) = write_sheets(other, tmp_path / "m", code)
-        save(written.table, filled(written.table, ["1"], "c’est ça"), separator=";", encoding="cp1252")
-        read_marks(other, written.table, code)
-        assert given_marks(other) == {"José": (1.0, "c’est ça")}
+VARIANTS = [
+    {"separator": ";", "quoting": csv.QUOTE_ALL},
+    {"separator": "\t", "encoding": "utf-16"},
+    {"encoding": "utf-16-le", "separator": ";"},
+    {"encoding": "utf-16-be"},
+    {"encoding": "utf-8", "ending": "\r"},
+]
 
 
 def test_excels_line_and_empty_moved_and_sorted_columns_and_rows_do_no_harm(journal, sheet):
@@ -276,15 +223,21 @@ def test_a_number_that_lost_its_zeros_is_found_again_where_only_one_can_be_meant
         read_marks(journal, sheet, code)
 
 
-def test_what_is_still_open_is_told(journal, sheet):
-    save(sheet, filled(sheet, ["", "1", "", ""], ""))
-    order = sorted(STUDENTS)
-    assert read_marks(journal, sheet, code).open == tuple((order[i], QUESTION) for i in (0, 2, 3))
-    save(sheet, [row for row in filled(sheet, ["1"] * 4) if row[0] in ("student", "ada")])
-    assert [student for student, _ in read_marks(journal, sheet, code).open] == ["007", STUDENTS[2]]
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_sheet_comes_back_from_any_spreadsheet_and_is_read_twice(journal, sheet, variant):
+    marked, empty = filled(sheet, ["0,5", " 2 ", "0", "1.25"]), filled(sheet, [""] * 4, "")
+    save(sheet, marked, **variant)
+    taken = read_marks(journal, sheet, code)
+    assert (taken.read, len(taken.changed), taken.open) == (4, 4, ())
+    wanted = {name: (each, "Good.") for name, each in zip(sorted(STUDENTS), (0.5, 2, 0, 1.25), strict=True)}
+    assert given_marks(journal) == wanted
+    again = read_marks(journal, sheet, code)
+    assert (again.read, again.changed, given_marks(journal)) == (4, (), wanted)
+    save(sheet, empty)
+    assert read_marks(journal, sheet, code).read == 0 and given_marks(journal) == wanted
 
 
-@pytest.mark.parametrize("points", ["-1", "2.01", "1e0", "nan", "two", "1,5,0", "٢"])
+@pytest.mark.parametrize("points", ["-1", "2.01", "1e0", "nan", "1,5,0", "٢"])
 def test_points_that_cannot_be_are_refused_with_their_rows_and_nothing_is_read(journal, sheet, points):
     save(sheet, filled(sheet, [points, "1", "9", "1"]))
     said = f"'{points}'; they must be a number from 0 to 2" if points != "2.01" else "the question is worth 2"
@@ -297,22 +250,20 @@ def changed(rows, what, to):
     return [[to if cell == what else cell for cell in row] for row in rows]
 
 
-@pytest.mark.parametrize(
-    ("what", "to", "said"),
-    [
+def test_a_row_that_belongs_to_nobody_and_a_changed_header_are_refused(journal, sheet):
+    rows = filled(sheet, ["1"] * 4)
+    for what, to, said in (
         ("ada", "eve", "row [2-5]: no student 'eve' was graded"),
         ("ada", "?da", "save as CSV UTF-8"),
         (QUESTION, "how", "row 2: there is no question 'how'.*there are 01_hsl_filtering why_hsl"),
         (LESSON, "02_posts", "row 2: there is no question 'why_hsl' in lesson '02_posts'"),
         ("points", "score", "row 1: the columns are .student.*they should be"),
         ("comment", "points", "row 1: the columns are"),
-    ],
-)
-def test_a_row_that_belongs_to_nobody_and_a_changed_header_are_refused(journal, sheet, what, to, said):
-    save(sheet, changed(filled(sheet, ["1"] * 4), what, to))
-    with pytest.raises((MarksError, TableError), match=f"(?s){said}"):
-        read_marks(journal, sheet, code)
-    assert journal.marks() == []
+    ):
+        save(sheet, changed(rows, what, to))
+        with pytest.raises((MarksError, TableError), match=f"(?s){said}"):
+            read_marks(journal, sheet, code)
+        assert journal.marks() == []
 
 
 def test_own_columns_and_doubled_rows_are_read_and_what_is_ambiguous_is_refused(journal, sheet):
@@ -331,21 +282,17 @@ def test_own_columns_and_doubled_rows_are_read_and_what_is_ambiguous_is_refused(
             read_marks(journal, sheet, code)
 
 
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (b"", "is empty"),
+def test_a_file_that_is_no_sheet_is_refused(journal, tmp_path):
+    path = tmp_path / "x.csv"
+    for content, said in (
         (b"\xff\xfe", "is empty"),
         (b"student\r\nada", "row 1: the columns are 'student'"),
         (b"\x81\x8d\x8f", "Save it as UTF-8"),
         (",".join(HEADER).encode() + b'\r\n"ada,1', "not a CSV table"),
-    ],
-)
-def test_a_file_that_is_no_sheet_is_refused(journal, tmp_path, content, said):
-    path = tmp_path / "x.csv"
-    path.write_bytes(content)
-    with pytest.raises(TableError, match=said):
-        read_marks(journal, path, code)
+    ):
+        path.write_bytes(content)
+        with pytest.raises(TableError, match=said):
+            read_marks(journal, path, code)
     with pytest.raises(MarksError, match="there is no"):
         read_marks(journal, tmp_path / "missing.csv", code)
 

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from nao_course._internal import tables
 from nao_course._internal.tables import TableError, escape_formula, read_table, unescape_formula
-from nao_course.instructor.reports.marking_sheets import HEADER
 from nao_course.instructor.reports.spreadsheets import table
 
 
@@ -26,7 +25,7 @@ def test_escaping_a_formula_can_be_undone(text):
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", "|"])
 @pytest.mark.parametrize(
-    "text", ["x;=cmd|' /C calc'!A0", "x\t=1", "a|+1", "a\n=1+1", "a\r\n -1", "a; @SUM(1)", ";;=1"]
+    "text", ["x;=cmd|'!A0", "x\t=1", "a|+1", "a\n=1+1", "a\r\n -1", "a; @SUM(1)", ";;=1"]
 )
 def test_no_cell_is_a_formula_whatever_a_sheet_is_split_at(text, separator):
     made = table([["Ada", text, 1.5], [text, "late, but =1", None]]).decode("utf-8-sig")
@@ -42,18 +41,14 @@ def test_a_long_answer_is_cut_with_a_word_and_numbers_keep_six_digits():
     assert numbers == ["8.125", "0.333333", "66.666667", "10", "0"]
 
 
-def test_what_was_written_is_read_again(tmp_path):
+def test_what_was_written_is_read_again_unless_it_is_far_too_large(tmp_path, monkeypatch):
     rows = [("name", "points"), ("=1+1", 1.5), ('a "b", c\nd', None)]
     (tmp_path / "t.csv").write_bytes(table(rows))
     read = read_table(tmp_path / "t.csv", ("name", "points"))
     assert [(row["name"], row["points"]) for row in read] == [("=1+1", "1.5"), ('a "b", c\nd', "")]
-
-
-def test_a_table_that_is_far_too_large_is_not_read(tmp_path, monkeypatch):
     monkeypatch.setattr(tables, "LARGEST", 10)
-    (tmp_path / "x.csv").write_bytes(b"0" * 11)
     with pytest.raises(TableError, match="larger than"):
-        read_table(tmp_path / "x.csv", HEADER)
+        read_table(tmp_path / "t.csv", ("name", "points"))
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])

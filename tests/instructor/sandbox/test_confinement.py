@@ -79,32 +79,31 @@ def secret(tmp_path):
 READ = {"python": "open(args[0]).read()", "the C library": "checked(libc.open(args[0].encode(), 0))"}
 
 
+OURS = ("solutions/01_hsl_filtering.ipynb", "tests/sandboxed.py", "nao_course/instructor/sandbox/worker.py")
+
+
 @linux
 @behind(NAMESPACES, ("landlock",))
 @pytest.mark.parametrize("way", READ)
 def test_no_file_of_the_host_can_be_read(confined, secret, notebook, layers, way):
     worker = confined(*layers)
-    ours = ("solutions/01_hsl_filtering.ipynb", "notebooks/01_hsl_filtering.ipynb", "tests/sandboxed.py")
-    ours += ("nao_course/instructor/sandbox/worker.py",)
-    for path in (*(PROJECT / each for each in ours), notebook, secret, "/etc/passwd", "/etc/hostname"):
+    for path in (*(PROJECT / each for each in OURS), notebook, secret, "/etc/passwd", "/etc/hostname"):
         assert Path(path).exists()
         assert denied(attempt(worker, READ[way], str(path))), path
-
-
-@linux
-@behind(NAMESPACES, ("landlock",))
-def test_no_folder_of_the_host_can_be_listed(confined, secret, layers):
-    worker = confined(*layers)
     for path in (PROJECT / "solutions", PROJECT / "tests", Path.home() / ".cache", secret.parent, "/var"):
         assert denied(attempt(worker, "os.listdir(args[0])", str(path))), path
 
 
-CHANGES = [
-    "open(args[0], 'w')",
-    "open(args[0], 'a')",
-    "os.remove(args[0])",
-    "os.rename(args[0], args[0] + '2')",
+MOUNTING = [
+    "checked(libc.mount(b'none', b'/proc', b'tmpfs', 0, None))",
+    "checked(libc.umount2(b'/proc', 2))",
+    "checked(libc.chroot(b'/'))",
+    "checked(libc.setns(os.open('/proc/self/ns/net', 0), 0))",
+    "checked(libc.sethostname(b'x', 1))",
 ]
+
+
+CHANGES = [f"open(args[0], {mode!r})" for mode in "wa"] + ["os.remove(args[0])", "os.truncate(args[0], 0)"]
 CHANGES += ["open(args[0] + '2', 'w')", "os.mkdir(args[0] + '2')", "os.symlink('/', args[0] + '2')"]
 CHANGES += [
     "os.truncate(args[0], 0)",
@@ -125,9 +124,7 @@ def test_nothing_outside_the_scratch_folder_can_be_changed(confined, secret, lay
 
 
 @linux
-@pytest.mark.parametrize(
-    "source", ["os.chmod(args[0], 0o777)", "os.utime(args[0])", "os.chown(args[0], 0, 0)"]
-)
+@pytest.mark.parametrize("source", ["os.chmod(args[0], 511)", "os.utime(args[0])", "os.chown(args[0], 0, 0)"])
 @behind(NAMESPACES, ("seccomp",))
 def test_permissions_and_times_outside_cannot_be_changed(confined, secret, layers, source):
     assert denied(attempt(confined(*layers), source, str(secret)))
@@ -190,19 +187,7 @@ def test_no_process_can_be_traced(confined, layers):
 
 
 @linux
-@pytest.mark.parametrize(
-    ("layers", "source"),
-    crossed(
-        [("seccomp",), NAMESPACES, ALL],
-        [
-            "checked(libc.mount(b'none', b'/proc', b'tmpfs', 0, None))",
-            "checked(libc.umount2(b'/proc', 2))",
-            "checked(libc.chroot(b'/'))",
-            "checked(libc.setns(os.open('/proc/self/ns/net', 0), 0))",
-            "checked(libc.sethostname(b'x', 1))",
-        ],
-    ),
-)
+@pytest.mark.parametrize(("layers", "source"), crossed([("seccomp",), NAMESPACES, ALL], MOUNTING))
 def test_mounts_and_namespaces_cannot_be_changed(confined, layers, source):
     assert denied(attempt(confined(*layers), source))
 
@@ -257,9 +242,7 @@ def test_without_the_filter_of_calls_mounts_are_listed_however_closed_files_are(
 
 @linux
 @pytest.mark.skipif(os.uname().machine != "x86_64", reason="other numbers of system calls")
-@pytest.mark.parametrize(
-    "layers", [("limits",), ("landlock",), NAMESPACES], ids=["process", "landlock", "ns"]
-)
+@pytest.mark.parametrize("layers", [("limits",), ("landlock",), NAMESPACES], ids=["limits", "landlock", "ns"])
 def test_a_key_of_the_session_cannot_be_found_and_none_can_be_left(notebook, layers):
     libc, session = ctypes.CDLL(None), ctypes.c_int(-3)
     if (key := libc.syscall(248, b"user", b"nao_course_test", b"x", ctypes.c_size_t(1), session)) < 0:
@@ -277,6 +260,8 @@ def test_a_key_of_the_session_cannot_be_found_and_none_can_be_left(notebook, lay
 @linux
 def test_the_machines_name_is_not_told(confined):
     assert attempt(confined(*NAMESPACES), "os.uname().nodename").value == "'worker'"
+    names = {"HOME", "TMPDIR", "MPLCONFIGDIR", "PATH", "LANG", *OF_A_WORKER}
+    assert attempt(confined(), "sorted(os.environ)").value == repr(sorted(names))
 
 
 BETWEEN_WORKERS = {
@@ -415,8 +400,7 @@ def test_nothing_can_be_reached(confined, listeners, layers, way):
     reached = arrived(sockets)
     if way not in REACHED[layers]:
         errors = ("PermissionError", "OSError", "gaierror", "ConnectionRefused", "FileNotFound")
-        assert denied(outcome, *errors), outcome
-        assert reached == 0
+        assert denied(outcome, *errors) and reached == 0, outcome
 
 
 def arrived(sockets):
@@ -440,53 +424,37 @@ def test_two_workers_cannot_speak_to_each_other(confined):
     assert denied(attempt(second, speak), "ConnectionRefusedError")
 
 
-@linux
-def test_nothing_of_the_graders_environment_is_left(confined):
-    names = {"HOME", "TMPDIR", "MPLCONFIGDIR", "PATH", "LANG", *OF_A_WORKER}
-    assert attempt(confined(), "sorted(os.environ)").value == repr(sorted(names))
+HONEST = """
+import asyncio, threading, tempfile, ctypes, numpy as np, cv2, sympy, scipy.signal, scipy.interpolate
+import matplotlib.pyplot as plt
+from nao_course.sim import Field
+
+def everything(picture):
+    plt.plot([1, 2], label="é")
+    plt.legend()
+    plt.savefig("figure.png")
+    cv2.imwrite("picture.png", picture)
+    np.save("array.npy", picture)
+    with tempfile.NamedTemporaryFile() as file: file.write(b"x")
+    done = []
+    threads = [threading.Thread(target=done.append, args=(k,)) for k in range(4)]
+    for each in threads: each.start()
+    for each in threads: each.join()
+    async def wait(): return await asyncio.sleep(0.001, 1)
+    x = sympy.Symbol("x")
+    return [
+        np.array_equal(np.load("array.npy"), picture), np.array_equal(cv2.imread("picture.png"), picture),
+        sorted(done) == [0, 1, 2, 3], float(sympy.integrate(x, (x, 0, 2))) == 2.0, asyncio.run(wait()) == 1,
+        ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int)(lambda value: value + 1)(1) == 2,
+        np.linalg.inv(np.eye(200)).sum() == 200, len(scipy.signal.butter(2, 0.1)) == 2, Field(2012) is not None,
+    ]
+"""
 
 
 @linux
 def test_honest_work_notices_nothing(warm_server, tmp_path):
     need(*ALL)
-    path = toy.write(
-        tmp_path / "own.ipynb",
-        "import asyncio, threading, tempfile, ctypes, numpy as np, cv2, sympy, scipy.signal, scipy.interpolate",
-        "import matplotlib.pyplot as plt",
-        "from nao_course.sim import Field",
-        """
-def everything(picture):
-    fig, ax = plt.subplots()
-    ax.plot([1, 2], label="é")
-    ax.legend()
-    fig.savefig("figure.png")
-    cv2.imwrite("picture.png", picture)
-    np.save("array.npy", picture)
-    with tempfile.NamedTemporaryFile() as file:
-        file.write(b"x")
-    done = []
-    threads = [threading.Thread(target=done.append, args=(k,)) for k in range(4)]
-    for each in threads: each.start()
-    for each in threads: each.join()
-    x = sympy.Symbol("x")
-    async def wait():
-        await asyncio.sleep(0.001)
-        return 1
-    compare = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int)(lambda value: value + 1)
-    return [
-        np.array_equal(np.load("array.npy"), picture),
-        np.array_equal(cv2.imread("picture.png"), picture),
-        sorted(done) == [0, 1, 2, 3],
-        float(sympy.integrate(x, (x, 0, 2))) == 2.0,
-        asyncio.run(wait()) == 1,
-        compare(1) == 2,
-        np.linalg.inv(np.eye(200)).sum() == 200,
-        len(scipy.signal.butter(2, 0.1)) == 2,
-        Field(2012) is not None,
-    ]
-""",
-    )
-    with Worker(path, server=warm_server, seconds=120.0) as worker:
+    with Worker(toy.write(tmp_path / "own.ipynb", HONEST), server=warm_server, seconds=120.0) as worker:
         assert worker.definitions.skipped == ()
         outcome = worker.call("everything", Case((np.arange(48, dtype=np.uint8).reshape(4, 4, 3),)))
         assert outcome.value == [True] * 9, outcome
@@ -496,18 +464,18 @@ def everything(picture):
 @linux
 def test_what_is_denied_is_told_to_the_assistant(confined):
     worker = confined()
-    attempt(worker, "open(args[0])", "/etc/shadow")
-    attempt(worker, "socket.getaddrinfo('example.org', 80)")
-    attempt(worker, "os.kill(1, 9)")
-    attempt(worker, "os.system('id')")
+    for source in (
+        "open('/etc/shadow')",
+        "socket.getaddrinfo('a.org', 80)",
+        "os.kill(1, 9)",
+        "os.system('id')",
+    ):
+        attempt(worker, source)
     for k in range(50):
         attempt(worker, "os.listdir(args[0])", f"/var/spool/{k}")
     assert {"open /etc/shadow", "sends a signal to process 1", "os.listdir /var/spool/1"} <= set(worker.notes)
-    assert any("example.org" in note for note in worker.notes)
+    assert any("a.org" in note for note in worker.notes)
     assert any("starts a program" in note for note in worker.notes)
-    assert len(worker.notes) == 20
-    assert all(len(note) <= 200 for note in worker.notes)
-
-
-def test_bounds_have_room_for_honest_work():
-    assert Bounds().memory >= 2**30 and Bounds().scratch > 50 * 2**20  # the largest notebook
+    assert len(worker.notes) == 20 and all(len(note) <= 200 for note in worker.notes)
+    # The bounds have room for honest work, such as the largest notebook.
+    assert Bounds().memory >= 2**30 and Bounds().scratch > 50 * 2**20

@@ -9,9 +9,7 @@ from nao_course.instructor.sandbox import fork_server as module
 from nao_course.instructor.sandbox.confinement import INSTRUCTORS, readable
 from tests.paths import PROJECT
 
-linux = pytest.mark.skipif(
-    not sys.platform.startswith("linux"), reason="the warm server forks on Linux alone"
-)
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the server forks on Linux alone")
 
 
 def test_every_module_that_students_may_import_is_imported_and_no_other():

@@ -19,28 +19,22 @@ def made(*on):
     return Sandbox(tuple(Layer(name, name in on, "" if name in on else f"{name} is off") for name in ALL))
 
 
-@pytest.mark.parametrize(
-    ("on", "level"),
-    [
+def test_the_level_is_the_highest_all_of_whose_layers_work_and_what_is_missing_is_named():
+    for on, level in [
         ((), "process"),
         (("landlock",), "landlock"),
         (NAMESPACES, "namespaces"),
         ((*NAMESPACES, "landlock"), "namespaces"),
         ((*NAMESPACES[1:], "landlock", "seccomp"), "landlock"),
         (ALL, "full"),
-    ],
-)
-def test_the_level_is_the_highest_all_of_whose_layers_work(on, level):
-    sandbox = made(*on)
-    assert sandbox.level == level
-    assert f"level {level!r}" in str(sandbox)
-    assert "\n" not in str(sandbox)
-    for each in LEVELS[: LEVELS.index(level) + 1]:
-        if each == level or set(module._NEEDS[each]) <= set(on):
-            sandbox.require(each)
-
-
-def test_what_is_required_and_missing_is_named_with_its_reason():
+    ]:
+        sandbox = made(*on)
+        assert sandbox.level == level
+        assert f"level {level!r}" in str(sandbox)
+        assert "\n" not in str(sandbox)
+        for each in LEVELS[: LEVELS.index(level) + 1]:
+            if each == level or set(module._NEEDS[each]) <= set(on):
+                sandbox.require(each)
     with pytest.raises(SandboxError, match="'full' is required.*'namespaces'.*no seccomp: seccomp is off"):
         made(*ALL[:5], "landlock", "unprivileged user").require("full")
     with pytest.raises(ValueError, match="one of process, landlock, namespaces, full; got 'strong'"):
@@ -58,12 +52,12 @@ def test_the_machine_is_tried_once_and_off_linux_has_processes_with_limits_and_n
     assert sandbox.level == "process" and "not on darwin" in str(sandbox)
 
 
-@pytest.mark.parametrize("module", ["worker", "fork_server"])
-def test_both_ends_can_be_imported_where_there_is_no_linux(module):
-    named = f"nao_course.instructor.sandbox.{module}"
-    code = f"import sys, nao_course.exercises; sys.platform = 'darwin'; import {named}; print(1)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=PROJECT)
-    assert done.stdout == "1\n", done.stderr
+def test_both_ends_can_be_imported_where_there_is_no_linux():
+    for end in ["worker", "fork_server"]:
+        named = f"nao_course.instructor.sandbox.{end}"
+        code = f"import sys, nao_course.exercises; sys.platform = 'darwin'; import {named}; print(1)"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=PROJECT)
+        assert done.stdout == "1\n", done.stderr
 
 
 @linux

@@ -89,7 +89,7 @@ def test_what_is_known_released_or_of_the_solution_is_not_found():
         assert not pairs_of(code, code, known=known)
 
 
-def test_copies_in_any_number_are_named():
+def test_copies_in_any_number_are_named_and_two_sources_of_common_code_are_two_lists():
     distinct = [f"{OWN}\ny = {str(number) * 60}" for number in range(COMMON + 1)]
     assert len(pairs_of(*distinct[:COMMON])) == COMMON * (COMMON - 1) / 2
     assert len(pairs_of(*[OWN] * (COMMON + 1))) == COMMON * (COMMON + 1) / 2
@@ -99,9 +99,6 @@ def test_copies_in_any_number_are_named():
     assert [each.student for each in common.works] == [f"s{k:02d}" for k in range(COMMON + 1)]
     marked = "".join(common.works[0].code[start:end] for start, end in common.passages)
     assert "np.isfinite(" in marked and min(common.shares) > 0.8
-
-
-def test_two_sources_of_common_code_are_two_lists():
     codes = [f"{code}\ny = {str(number) * 60}" for code in (OWN, OTHER) for number in range(COMMON + 1)]
     found = compare(works_of([*codes, OWN + OTHER]), known=()).common
     groups = [{each.student for each in common.works} for common in found]
@@ -135,19 +132,13 @@ def test_the_work_for_a_pair_does_not_grow_with_the_number_of_its_cells(monkeypa
         assert all(len(passages) == len(cells) for passages in pair.passages)
 
 
-def test_a_little_in_common_is_not_found(monkeypatch):
+def test_a_little_in_common_is_not_found_and_any_text_can_be_compared(monkeypatch):
     short = "x = np.linspace(0, 1, 11, endpoint=False)\n"
-    assert not pairs_of(short, short)
-    assert not pairs_of(short, short.replace(")", ",)"))
+    assert not pairs_of(short, short) and not pairs_of(short, short.replace(")", ",)"))
     monkeypatch.setattr(comparing, "LEAST_SHARED", 1)
     assert pairs_of(short, short)
-
-
-@pytest.mark.parametrize(
-    "code", ["", "\n", "def (", "%matplotlib inline\n!ls", "\x00", "x = '\ud83d'", "\ufeff\r\n"]
-)
-def test_any_text_can_be_compared(code):
-    assert pairs_of(code, OWN, code, OWN) == [("s01", "s03")]
+    for code in ("", "\n", "def (", "%matplotlib inline\n!ls", "\x00", "x = '\ud83d'", "\ufeff\r\n"):
+        assert pairs_of(code, OWN, code, OWN) == [("s01", "s03")]
 
 
 def test_code_that_alternatives_share_is_in_none_of_them():

@@ -8,9 +8,7 @@ CLAMP = Exercise(
     name="clamp",
     points=2,
     public=lambda: [
-        Case((3.0, 0.5, 2.25), "above"),
-        Case((-3.0, 0.5, 2.25), "below"),
-        Case((1.125, 0.5, 2.25), "inside"),
+        Case((x, 0.5, 2.25), name) for x, name in ((3.0, "above"), (-3.0, "below"), (1.125, "inside"))
     ],
     hidden=lambda rng: [Case((float(x), -1.5, 0.75)) for x in (-9, 9, 0, *rng.normal(0, 2, 5))],
     hints=("Which of the three is in the middle?", "The smaller of x and high, but at least low."),
@@ -43,7 +41,6 @@ def _in_place(values):
 MEAN = Exercise(
     name="mean_of_positive",
     points=3,
-    stars=2,
     public=lambda: [
         Case((np.array([1.5, -2.0, 0.0, 4.0]),), "a mixture"),
         Case((np.array([-1.0, -2.5]),), "nothing positive"),
@@ -52,16 +49,8 @@ MEAN = Exercise(
     hints=("A mask selects.", "values[values > 0]"),
     mistakes=[
         Mistake("all", lambda values: float(values.mean()), "That is the mean of all values."),
-        Mistake(
-            "zeros counted",
-            lambda values: float(np.maximum(values, 0).mean()),
-            "The others count as zeros, where they should not count.",
-        ),
-        Mistake(
-            "empty mean",
-            lambda values: sum(v for v in values if v > 0) / sum(1 for v in values if v > 0),
-            "Nothing positive: that divides by zero.",
-        ),
+        Mistake("zeros counted", lambda v: float(np.maximum(v, 0).mean()), "Zeros should not count."),
+        Mistake("empty mean", lambda v: sum(v[v > 0].tolist()) / int((v > 0).sum()), "That divides by zero."),
         Mistake("in place", _in_place, "values[...] = writes into what you were given."),
     ],
     alternatives={
@@ -69,6 +58,7 @@ MEAN = Exercise(
         "float32": lambda values: np.float32(_loop(values)),
         "list": lambda values: np.mean([v for v in values if v > 0] or [0.0]),
     },
+    stars=2,
 )
 
 REPLIES = {"Safety": "Yes: a joint has an end.", "Speed": "No: it costs time."}
