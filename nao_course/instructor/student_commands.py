@@ -12,7 +12,6 @@ from nao_course._internal.counts import say_count
 from nao_course._internal.tables import TableError
 from nao_course.instructor import submission_times
 from nao_course.instructor.authoring.course import load_course
-from nao_course.instructor.authoring.release import read_students
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.collecting.roster import Roster, Student
 from nao_course.instructor.collecting.sheets import Sheet, read_sheet
@@ -88,6 +87,8 @@ def names_in_copies(path: Path, roster: Roster) -> dict[str, str]:
 
     Raise a ValueError if it is neither.
     """
+    from nao_course.instructor.authoring.release import read_students
+
     try:
         worlds = read_worlds(path)
     except TableError:

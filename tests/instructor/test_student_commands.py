@@ -240,11 +240,10 @@ def test_without_a_sheet_equal_names_are_one_student_and_two_of_one_name_are_ask
     run("grade", again, "--out", grades, "--lesson", "02")
     students = {*NAMES[:6], "Jan Kowalski_130018", "Jan Kowalski_130019"}
     assert set(table_of(grades)) == students
-    said = run(
-        "students", grades, "--same", "Jan Kowalski_230018", "Jan Kowalski_130019"
-    )  # the answer was wrong
+    # The two answers were wrong, so they are exchanged.
+    said = run("students", grades, "--same", "Jan Kowalski_230018", "Jan Kowalski_130019")
     assert "Jan Kowalski_230018 is Jan Kowalski_130019 and not Jan Kowalski_130018" in said
-    said = run("students", grades, "--same", "Jan Kowalski_230019", "Jan Kowalski_130018")
+    run("students", grades, "--same", "Jan Kowalski_230019", "Jan Kowalski_130018")
     run("grade", again, "--out", grades, "--lesson", "02")
     assert {student: row["total"] for student, row in table_of(grades).items() if "Jan" in student} == {
         "Jan Kowalski_130018": "9",
