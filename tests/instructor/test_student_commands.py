@@ -294,6 +294,10 @@ def test_a_platforms_folder_of_any_name_replaces_results_once_a_sheet_says_who_i
     assert "there is a result already" in run("grade", again, "--out", grades, status=1)
     run("grade", again, "--out", grades, "--sheet", sheet)
     assert [row["total"] for row in table_of(grades).values()] == ["2", "2"]
+    forged = {names[0].replace("Robots", "Ben Marsh"): 3}  # a folder of a student's name stays that student's
+    run("grade", hand_in(tmp_path, forged, "forged"), "--out", grades)
+    totals = {student: row["total"] for student, row in table_of(grades).items()}
+    assert totals == {"Lovelace, Ada(ada)": "2", "Marsh, Ben(ben)": "3"}
 
 
 def test_whoever_is_in_no_sheet_is_asked_about_and_graded_after_the_answer(grader, tmp_path):
