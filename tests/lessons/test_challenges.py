@@ -60,6 +60,7 @@ REFUSED = {
         (np.zeros((2, 4)), r"\(2, 4\)"),
         (np.full((240, 320), 0.5), "1 green"),
         (np.full((240, 320), -1), "-1"),
+        (np.full((240, 320), np.nan), "NaN"),
     ],
     "02_goalposts": [(np.zeros((2, 3)), "feet|shape")],
     "03_hough_corners": [(np.zeros((2, 3)), "shape"), ([(np.nan, 1.0)], "NaN")],

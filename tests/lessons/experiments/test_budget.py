@@ -1,5 +1,7 @@
 """The budget's predictions are what sampled pictures give."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -57,7 +59,8 @@ def test_a_range_is_worth_less_farther_away_and_the_tilt_is_the_larger_part():
 
 def test_without_pixels_or_a_budget_each_figure_says_what_is_missing():
     missing, covariance = try_out(blank, "Finish exercise 10.6."), FOUR["measurement_covariance"]
-    of_covariance = (budget.draw_range_budget, budget.tell_tilt_left)
+    measured = partial(budget.measure_budget, OWN["error_budget"])
+    of_covariance = (budget.draw_range_budget, budget.tell_tilt_left, measured)
     of_covariance = [lambda it, show=show: show(covariance, it) for show in of_covariance]
     for show in (budget.draw_budget, budget.larger_source, *of_covariance):
         assert repr(try_out(lambda show=show: show(missing))) == "Finish exercise 10.6."
