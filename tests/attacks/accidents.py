@@ -692,12 +692,4 @@ HONEST_WORK = (
     style("asserts_after_a_function", f"{CLAMP}\n\nassert clamp(1, 2, 3) == 5\nclamp('a')\n1 / 0", row="honest"),
 )  # fmt: skip
 
-ATTACKS: tuple[Attack, ...] = (
-    *NO_NOTEBOOKS,
-    *FILES,
-    *ODD_FILES,
-    *ODD_NOTEBOOKS,
-    *LARGE,
-    *STYLES,
-    *HONEST_WORK,
-)
+ATTACKS = (*NO_NOTEBOOKS, *FILES, *ODD_FILES, *ODD_NOTEBOOKS, *LARGE, *STYLES, *HONEST_WORK)

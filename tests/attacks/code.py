@@ -16,17 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from nao_course.instructor.sandbox.worker_process import RequestLoop
-from tests.attacks.range import (
-    HALF,
-    LATER_POINTS,
-    POINTS,
-    REAL,
-    REAL_POINTS,
-    RIGHT,
-    Attack,
-    all_but,
-    notebook,
-)
+from tests.attacks import range as attack_range
+from tests.attacks.range import HALF, LATER_POINTS, POINTS, REAL, RIGHT, Attack, all_but, notebook
 from tests.toy import pair
 
 ALL = {name: float(worth) for name, worth in POINTS.items()}
@@ -1196,7 +1187,7 @@ METADATA = (
 
 
 def of_lesson_01(name: str, row: str, function: str, source: str, **more: Any) -> Attack:
-    left = {each: float(points) for each, points in REAL_POINTS.items() if each != function}
+    left = {each: float(points) for each, points in attack_range.REAL_POINTS.items() if each != function}
     return Attack(name, row, left, {function: prepared(source)}, lesson=REAL, **more)
 
 

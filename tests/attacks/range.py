@@ -366,18 +366,10 @@ class Range:
         told = [_COMMAND, ",".join(self.off), self.seconds, *words]
         seen = [str(each) for each in (self.root, *folders)]
         options = json.dumps({"seconds": self.most_seconds, "user": self.user, "folders": seen})
-        runner = [
-            sys.executable,
-            "-m",
-            "tests.attacks.runner",
-            options,
-            sys.executable,
-            "-c",
-            *map(str, told),
-        ]
-        done = subprocess.run(
-            runner, cwd=self.course.root, env=environment, stdout=subprocess.PIPE, check=True
-        )
+        python = sys.executable
+        runner = [python, "-m", "tests.attacks.runner", options, python, "-c", *map(str, told)]
+        more = {"cwd": self.course.root, "env": environment}
+        done = subprocess.run(runner, **more, stdout=subprocess.PIPE, check=True)
         status, seconds, processes, output = json.loads(done.stdout)
         output, _, peak = output.rstrip().rpartition("\n")
         return status, seconds, processes, output, int(peak) * 1024 if peak.isdecimal() else 0

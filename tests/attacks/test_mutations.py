@@ -18,18 +18,8 @@ import numpy as np
 import pytest
 
 from nao_course.codec import CodecError, decode, encode, registry
-from nao_course.exercises import (
-    Case,
-    Close,
-    Derivative,
-    Each,
-    Exact,
-    Methods,
-    Points,
-    Sampled,
-    Unordered,
-    judging,
-)
+from nao_course.exercises import Case, Close, Derivative, Each, Exact, judging
+from nao_course.exercises.comparisons import Methods, Points, Sampled, Unordered
 from nao_course.exercises.comparisons.jacobians import jacobian
 from nao_course.exercises.notebook_text import read_notebook
 from nao_course.exercises.running import Outcome
@@ -44,35 +34,11 @@ from tests.attacks.range import LESSON
 
 MANY = int(os.environ.get("NAO_COURSE_MUTATIONS", 0))
 SECONDS = 5.0  # of processor time for one: a guard against what grows without an end
-WORDS = [
-    b"PK\1\2",
-    b"PK\3\4",
-    b"PK\5\6",
-    b"PK\6\6",
-    b"PK\6\7",
-    b"\0" * 8,
-    b"\xff" * 8,
-    b"../",
-    b"\x1b[2J",
-    b"\n",
-]
+WORDS = [b"PK\1\2", b"PK\3\4", b"PK\5\6", b"PK\6\6", b"PK\6\7"]
+WORDS += [b"\0" * 8, b"\xff" * 8, b"../", b"\x1b[2J", b"\n"]
 ODD = [
-    *(
-        None,
-        True,
-        0,
-        -1,
-        2**63,
-        10**400,
-        1e308,
-        float("nan"),
-        "",
-        "\ud800",
-        "\0",
-        "x" * 10_000,
-        "code",
-        ["\u2028"],
-    ),
+    *(None, True, 0, -1, 2**63, 10**400, 1e308, float("nan")),
+    *("", "\ud800", "\0", "x" * 10_000, "code", ["\u2028"]),
     *([], {}, [[]], {"": {}}, [None] * 1000, {"cell_type": "code"}, {"nbgrader": {"grade_id": []}}),
 ]
 
@@ -203,6 +169,7 @@ def answers():
     at = {"x": np.arange(3.0)}
     raw = jacobian(lambda: (sympy.Matrix([x**2]), sympy.Matrix([2 * x])), at, ["x"])
     rows = np.arange(12.0).reshape(6, 2)
+    law = {"law": (1.0, 1.0, True), "drawn": np.ones(4), "calls": 8}
     return [
         (Close(), Case((1.0,), expected=rows), rows),
         (Exact(), Case((1.0,), expected=("a", 3, True)), ("a", 3, True)),
@@ -210,11 +177,7 @@ def answers():
         (Unordered(), Case((1.0,), expected=[1.0, (2.0, 3.0)]), [(2.0, 3.0), 1.0]),
         (Each({0: Exact()}), Case((1.0,), expected=(1, {"a": rows})), (1, {"a": rows})),
         (Methods(), Case(((), [("go", ())]), expected=[("go", rows)]), [("go", rows)]),
-        (
-            Sampled(),
-            Case((1.0, 4), expected={"law": (1.0, 1.0, True), "drawn": np.ones(4), "calls": 8}),
-            [1.0, 2.0] * 4,
-        ),
+        (Sampled(), Case((1.0, 4), expected=law), [1.0, 2.0] * 4),
         (Derivative(("x",)), Case((at, ["x"])), raw),
     ]
 

@@ -154,16 +154,8 @@ def test_a_student_may_collect_a_limited_number_of_files_and_bytes(hub, tools, m
 
 def test_a_name_depends_on_all_of_a_claim_and_not_on_its_case(tools):
     _, system_name = tools
-    claims = [
-        "ada@a.example",
-        "ada@b.example",
-        "a.da@a.example",
-        "Ada Lovelace",
-        "",
-        "../../etc",
-        "ä" * 300,
-        "0",
-    ]
+    claims = ["ada@a.example", "ada@b.example", "a.da@a.example", "Ada Lovelace"]
+    claims += ["", "../../etc", "ä" * 300, "0"]
     made = [system_name(each) for each in claims]
     assert len(set(made)) == len(claims)
     assert all(len(each) <= 27 and each.replace("-", "").isalnum() and each.isascii() for each in made)

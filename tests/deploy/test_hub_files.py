@@ -38,10 +38,9 @@ def test_jupyterhub_knows_every_option_of_the_configuration(config):
     }
     assert set(config) == set(classes)
     for name, module in classes.items():
-        known = (
-            getattr(importlib.import_module(module), name)(config=config) if name == "JupyterHub" else None
-        )
-        traits = getattr(importlib.import_module(module), name).class_traits(config=True)
+        configured = getattr(importlib.import_module(module), name)
+        known = configured(config=config) if name == "JupyterHub" else None
+        traits = configured.class_traits(config=True)
         for option, value in config[name].items():
             assert option in traits, f"{name}.{option}"
             if known is not None:

@@ -7,20 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from nao_course.exercises import Case, call, checking, try_out
+from nao_course.exercises import Case, call, checking, earlier, try_out
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.definitions import load_definitions
-from nao_course.exercises.earlier import (
-    Calls,
-    EarlierCall,
-    EarlierNotUsable,
-    assigned_use,
-    not_usable,
-    resolved_by,
-    split_use,
-    stand_in,
-    watching,
-)
+from nao_course.exercises.earlier import Calls, EarlierCall, EarlierNotUsable, not_usable, stand_in, watching
 from nao_course.exercises.library_functions import IN_LIBRARY
 from nao_course.instructor.authoring.plans import load_plan, load_solution, publish, solutions_beside
 from nao_course.student import notebooks as student
@@ -35,7 +25,7 @@ def lessons(tmp_path_factory):
     found = {}
     for name in course.names():
         notebook = course.solutions / f"{name}.ipynb"
-        with resolved_by(solutions_beside(notebook)):
+        with earlier.resolved_by(solutions_beside(notebook)):
             found[name] = unpack(pack(publish(name, course.plan(name), load_solution(notebook))))
     return found
 
@@ -253,7 +243,7 @@ def test_lessons_that_use_each_other_or_themselves_come_to_an_end(used, name, ma
 
 def test_only_a_plain_assignment_in_the_released_set_up_cell_counts(tmp_path):
     def use(source):
-        return assigned_use(ast.parse(source).body[0])
+        return earlier.assigned_use(ast.parse(source).body[0])
 
     assert use("f = earlier('01:f')") == use("f = student.earlier('01:f')") == ("f", "01:f")
     for given in ("g('01:f')", "earlier(x)", "earlier('a', 1)"):
@@ -265,7 +255,7 @@ def test_only_a_plain_assignment_in_the_released_set_up_cell_counts(tmp_path):
     assert released.namespace["f"] == "80:theirs"
     failing = load_definitions(path, earlier=lambda use: 1 / 0)
     assert "ZeroDivisionError" in failing.skipped[0].reason
-    assert split_use("1:f") == split_use("01_hsl:f") == ("01", "f")
+    assert earlier.split_use("1:f") == earlier.split_use("01_hsl:f") == ("01", "f")
 
 
 def test_in_a_declaration_an_earlier_function_is_the_references(tmp_path):
@@ -276,7 +266,7 @@ def test_in_a_declaration_an_earlier_function_is_the_references(tmp_path):
     )
     declaration.write_text(text + "PLAN = LessonPlan([exercise('f', 1, [], numbers, slip=double)])")
     (exercise,) = load_plan(declaration).exercises
-    with resolved_by(solutions_beside(course.solutions / f"{pair.SECOND}.ipynb")):
+    with earlier.resolved_by(solutions_beside(course.solutions / f"{pair.SECOND}.ipynb")):
         assert exercise.mistakes[0].function(3.0) == 6.0
     with pytest.raises(EarlierNotUsable):
         exercise.mistakes[0].function(3.0)

@@ -35,27 +35,22 @@ PLAN = LessonPlan(
 )
 """
 SETUP = "import numpy as np"
-RIGHT = {
-    "double": "def double(x):\n    return 2 * x",
-    "plus_one": "def plus_one(x):\n    return x + 1",
-    "both": "def both(x):\n    return plus_one(double(x))",
-    "total": "def total(x):\n    return float(x.sum())",
-}
-BLANK = {name: f"def {name}(x):\n    raise NotImplementedError" for name in RIGHT}
-MISTAKES = {
-    "double": "def double(x):\n    return 3 * x",
-    "plus_one": "def plus_one(x):\n    return x + 2",
-    "both": "def both(x):\n    return 2 * x",
-    "total": "def total(x):\n    return float(x.mean())",
-}
+Json = dict[str, object]
 
 
-def cell(
-    kind: str, source: str, grading: dict[str, object] | None = None, role: str = ""
-) -> dict[str, object]:
+def _functions(*bodies: str) -> dict[str, str]:
+    names = ("double", "plus_one", "both", "total")
+    return {name: f"def {name}(x):\n    {body}" for name, body in zip(names, bodies, strict=True)}
+
+
+RIGHT = _functions("return 2 * x", "return x + 1", "return plus_one(double(x))", "return float(x.sum())")
+BLANK = _functions(*["raise NotImplementedError"] * 4)
+MISTAKES = _functions("return 3 * x", "return x + 2", "return 2 * x", "return float(x.mean())")
+
+
+def cell(kind: str, source: str, grading: Json | None = None, role: str = "") -> Json:
     """A cell of a notebook."""
-    metadata: dict[str, object] = {"nbgrader": grading} if grading else {}
-    metadata |= {"nao_course": {"role": role}} if role else {}
+    metadata = ({"nbgrader": grading} if grading else {}) | ({"nao_course": {"role": role}} if role else {})
     code = {"outputs": [], "execution_count": None} if kind == "code" else {}
     number = f"c{abs(hash(source)) % 10**8}"
     return {"cell_type": kind, "id": number, "metadata": metadata, "source": source, **code}
@@ -70,18 +65,18 @@ def notebook(functions: dict[str, str] | None = None, answer: str = "", extra: s
     return as_notebook(LESSON, cells)
 
 
-def grading(name: str, *, grade: bool = False) -> dict[str, object]:
+def grading(name: str, *, grade: bool = False) -> Json:
     """What nbgrader writes into a cell that a student fills in."""
     return {"schema_version": 3, "grade_id": name, "solution": True, "grade": grade, "locked": False}
 
 
-def solutions(setup: str, functions: dict[str, str]) -> list[dict[str, object]]:
+def solutions(setup: str, functions: dict[str, str]) -> list[Json]:
     """The set-up cell, and a cell of each function."""
     first = cell("code", setup, role="setup")
     return [first, *(cell("code", source.strip(), grading(name)) for name, source in functions.items())]
 
 
-def as_notebook(lesson: str, cells: list[dict[str, object]]) -> bytes:
+def as_notebook(lesson: str, cells: list[Json]) -> bytes:
     stamp = {"nao_course": {"lesson": lesson, "version": "1"}}
     return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": stamp, "cells": cells}).encode()
 
@@ -108,11 +103,9 @@ def lay_out(root: Path, lesson: str, declaration: str, solution: bytes, blank: b
 def stamp(course: Course, lesson: str) -> None:
     """Let a solution notebook say that it was built from text and declaration as they are."""
     path = course.solutions / f"{lesson}.ipynb"
-    solved = nbformat.read(path, as_version=4)
-    text = course.text(lesson).read_text(encoding="utf-8")
-    solved.metadata.setdefault("nao_course", {}).update(
-        stamps.stamp(course, lesson, text, solved, executed=True)
-    )
+    solved, text = nbformat.read(path, as_version=4), course.text(lesson).read_text(encoding="utf-8")
+    made = stamps.stamp(course, lesson, text, solved, executed=True)
+    solved.metadata.setdefault("nao_course", {}).update(made)
     nbformat.write(solved, path)
 
 

@@ -129,16 +129,9 @@ def write(path: Path, old: str, new: str) -> None:
 
 def with_a_written_question(course: Course) -> None:
     """Add a question that a person marks."""
-    write(
-        course.text("01_toy"),
-        "```{raw-cell}",
-        '+++ {"written": "say_why"}\n\nBecause two times one is two.\n\n```{raw-cell}',
-    )
+    question = '+++ {"written": "say_why"}\n\nBecause two times one is two.\n\n'
+    write(course.text("01_toy"), "```{raw-cell}", question + "```{raw-cell}")
     plan = course.solutions / "exercises" / "01_toy.py"
-    text = plan.read_text().replace("import Case, Exercise,", "import Written, Case, Exercise,")
+    write(plan, "import Case, Exercise,", "import Written, Case, Exercise,")
     written = 'Written("say_why", 2, "Why is it two?", "one point for each two")'
-    plan.write_text(
-        text.replace(
-            "PLAN = LessonPlan(exercises=[DOUBLE])", f"PLAN = LessonPlan([DOUBLE], written=[{written}])"
-        )
-    )
+    write(plan, "LessonPlan(exercises=[DOUBLE])", f"LessonPlan([DOUBLE], written=[{written}])")

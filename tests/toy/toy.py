@@ -40,10 +40,8 @@ def write(path: Path, *cells: str | tuple[str, str]) -> Path:
     """Write a notebook of code cells: source, or (role, source)."""
     pairs = [("student", cell) if isinstance(cell, str) else cell for cell in cells]
     code = {"cell_type": "code", "outputs": [], "execution_count": None}
-    cells = [
-        {"id": f"c{number}", "metadata": METADATA[role], "source": source, **code}
-        for number, (role, source) in enumerate(pairs)
-    ]
+    named = enumerate((METADATA[role], source) for role, source in pairs)
+    cells = [{"id": f"c{n}", "metadata": of, "source": source, **code} for n, (of, source) in named]
     notebook = {"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}
     path.write_text(json.dumps(notebook), encoding="utf-8")
     return path

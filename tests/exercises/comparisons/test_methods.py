@@ -6,20 +6,9 @@ import numpy as np
 import pytest
 
 from nao_course.codec import register
-from nao_course.exercises import (
-    Case,
-    Close,
-    Exact,
-    Exercise,
-    LessonPlan,
-    Methods,
-    Mistake,
-    Property,
-    calls,
-    first_items,
-    over_log,
-)
+from nao_course.exercises import Case, Exercise, LessonPlan, Mistake, calls, over_log
 from nao_course.exercises.checking import grade_public, pack, unpack
+from nao_course.exercises.comparisons import Close, Exact, Methods, Property, first_items
 from nao_course.exercises.running import call
 from nao_course.instructor.authoring.plan_checks import check_plan
 from nao_course.instructor.authoring.plans import publish

@@ -1,7 +1,5 @@
 """An exercise rests on what its declaration mentions, and on what does more than define names."""
 
-import pytest
-
 from nao_course.instructor.authoring.dependencies import code_by_exercise
 
 DECLARATION = """
@@ -22,22 +20,15 @@ CELLS = [
 ]
 
 
-def lines(name, declaration=DECLARATION, cells=CELLS):
+def of(name, declaration=DECLARATION, cells=()):
+    return code_by_exercise(declaration, [*CELLS, *cells], ["first", "second"])[name]
+
+
+def lines(name, declaration=DECLARATION, cells=()):
     """Return what an exercise rests on, as one word of each statement."""
-    code = code_by_exercise(declaration, cells, ["first", "second"])[name]
-    words = (
-        "np",
-        "math",
-        "helper(x)",
-        "other(x): ",
-        "alone(x)",
-        "'first'",
-        "'second'",
-        "os",
-        "def first",
-        "tool(x): ",
-    )
-    return {word for word in (*words, "def second", "PLAN") if word in code.replace(":\n", ": ")}
+    code = of(name, declaration, cells).replace(":\n", ": ")
+    words = {"np", "math", "os", "PLAN", "helper(x)", "other(x): ", "alone(x)", "tool(x): "}
+    return {word for word in words | {"'first'", "'second'", "def first", "def second"} if word in code}
 
 
 def test_an_exercise_rests_on_what_it_mentions_and_all_that_this_mentions():
@@ -51,42 +42,22 @@ def test_a_text_mentions_an_exercise_too():
     assert "'second'" in lines("first", declaration.replace("as in second", "as in B"))
 
 
-@pytest.mark.parametrize(
-    "more",
-    [
-        "np.seterr()",
-        "A.hints = ()",
-        "from x import *",
+def test_all_rest_on_a_statement_that_does_more_than_define_names():
+    for more in (
+        *("np.seterr()", "A.hints = ()", "from x import *", "if x:\n    y = 2"),
         "@register\nclass math:\n    pass",
-        "if x:\n    y = 2",
-    ],
-)
-def test_all_rest_on_a_statement_that_does_more_than_define_names(more):
-    for name in ("first", "second"):
-        code = code_by_exercise(f"{DECLARATION}{more}\n", CELLS, ["first", "second"])[name]
-        assert more in code
-    assert (
-        "x = 1" in code_by_exercise(DECLARATION, [*CELLS, ("student", "x = 1")], ["first", "second"])["first"]
-    )
-    assert (
-        "print(1)"
-        in code_by_exercise(DECLARATION, [*CELLS, ("solution", "y = 1\nprint(1)")], ["first", "second"])[
-            "first"
-        ]
-    )
+    ):
+        assert all(more in of(name, f"{DECLARATION}{more}\n") for name in ("first", "second"))
+    assert "x = 1" in of("first", cells=[("student", "x = 1")])
+    assert "print(1)" in of("first", cells=[("solution", "y = 1\nprint(1)")])
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
+def test_each_rests_on_everything_unless_each_has_its_own_statement_and_a_plain_plan():
+    for old, new in (
         ('A = Exercise(name="first"', 'A = made(name="first"'),
-        ("[A, B]", "[A, harder(B)]"),
-        ("[A, B]", "exercises"),
+        *(("[A, B]", plan) for plan in ("[A, harder(B)]", "exercises")),
         ("PLAN = ", "PLAN, more = 1, "),
         ("import math", "import math ("),
-    ],
-)
-def test_each_rests_on_everything_unless_each_has_its_own_statement_and_a_plain_plan(old, new):
-    found = code_by_exercise(DECLARATION.replace(old, new), CELLS, ["first", "second"])
-    assert found["first"] == found["second"]
-    assert new in found["first"] and "def second" in found["first"]
+    ):
+        first, second = (of(name, DECLARATION.replace(old, new)) for name in ("first", "second"))
+        assert first == second and new in first and "def second" in first

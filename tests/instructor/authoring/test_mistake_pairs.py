@@ -13,15 +13,10 @@ from nao_course.exercises.checking import grade_public
 from nao_course.exercises.definitions import NotebookText
 from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.judging.report import TWO_ERRORS
+from nao_course.instructor.authoring import plans
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.mistakes import catalogue, with_functions
-from nao_course.instructor.authoring.plans import (
-    load_solution,
-    publish,
-    publish_exercise,
-    solution_notebook,
-    solutions_beside,
-)
+from nao_course.instructor.authoring.plans import load_solution, publish, publish_exercise, solution_notebook
 from tests.paths import PROJECT, SOLUTIONS
 
 COURSE = load_course(PROJECT)
@@ -161,7 +156,7 @@ def test_many_pairs_of_a_lesson_are_recognised_and_nothing_right_is(lesson):
     """The stored answers are those that the pair gives; every right alternative and single mistake stays what it is."""
     notebook = solution_notebook(lesson, SOLUTIONS)
     reference = load_solution(notebook)
-    with resolved_by(solutions_beside(notebook)):
+    with resolved_by(plans.solutions_beside(notebook)):
         plan = with_functions(COURSE.plan(notebook.stem), reference)
         for name in REAL[lesson]:
             exercise = plan[name]

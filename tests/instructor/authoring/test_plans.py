@@ -7,16 +7,9 @@ from nao_course.exercises import Case, Close, Exact, Exercise, Mistake
 from nao_course.exercises.checking import grade_public, pack, unpack
 from nao_course.exercises.exercise import PublicLesson
 from nao_course.exercises.judging import is_unstable
+from nao_course.instructor.authoring import plans
 from nao_course.instructor.authoring.perturbation import perturbed
-from nao_course.instructor.authoring.plans import (
-    PlanError,
-    lesson_name,
-    load_plan,
-    publish,
-    publish_exercise,
-    reference,
-    with_answers,
-)
+from nao_course.instructor.authoring.plans import PlanError, lesson_name, load_plan, publish, publish_exercise
 from tests.toy import toy
 
 
@@ -31,7 +24,7 @@ def test_a_lesson_is_known_by_its_number_or_name_and_a_reference_that_fails_is_r
     ]:
         case = Case((np.ones(2), 0, 1), "first")
         with pytest.raises(PlanError, match=message):
-            with_answers(plan["clamp"], [case], function)
+            plans.with_answers(plan["clamp"], [case], function)
 
 
 def test_a_good_plan_is_published_without_code_the_same_each_time(plan, right):
@@ -58,7 +51,7 @@ def test_a_declaration_that_declares_nothing_or_is_missing_is_refused(tmp_path, 
     folder = toy.solutions(tmp_path / "solutions")
     (folder / "90_toy.ipynb").unlink()
     with pytest.raises(FileNotFoundError, match="nao-course build"):
-        reference("90", folder)
+        plans.reference("90", folder)
 
 
 _DIFFERENCES = np.array([[1.1, -1.1, 0.0], [0.0, 0.7, -0.7]])

@@ -15,13 +15,9 @@ from nao_course.exercises import Case, Close
 from nao_course.exercises.checking import pack
 from nao_course.exercises.earlier import EarlierCall
 from nao_course.exercises.exercise import PublicExercise, PublicLesson, PublicMistake
+from nao_course.instructor.authoring import rounding_errors
 from nao_course.instructor.authoring.perturbation import perturbed
-from nao_course.instructor.authoring.rounding_errors import (
-    pictures_alike,
-    same_but_for_rounding,
-    texts_alike,
-    values_alike,
-)
+from nao_course.instructor.authoring.rounding_errors import pictures_alike, same_but_for_rounding, texts_alike
 from tests.paths import PROJECT
 
 SPARSE = scipy.sparse.csr_array(np.eye(2))
@@ -48,34 +44,21 @@ DIFFERENT = [
 
 
 def test_last_digits_of_another_processor_are_no_change_and_all_else_is():
-    assert [pair for pair in ALIKE if not values_alike(*pair)] == []
-    assert [pair for pair in DIFFERENT if values_alike(*pair)] == []
+    assert [pair for pair in ALIKE if not rounding_errors.values_alike(*pair)] == []
+    assert [pair for pair in DIFFERENT if rounding_errors.values_alike(*pair)] == []
     alike = [("RMSE 0.12345678 m", "RMSE 0.12345679 m"), ("off by 7.1e-17", "off by -2.2e-16")]
     assert [pair for pair in alike if not texts_alike(*pair)] == []
-    other = [
-        ("0.123 m", "0.124 m"),
-        ("0.12345 m", "0.12346 m"),
-        ("1000001 of", "1000002 of"),
-        ("1.0 m", "1.0 mm"),
-    ]
-    other += [("7,137 of", "7,138 of"), ("1.0", "1"), ("1.0 2.0", "1.0"), ("nan", "0.0")]
+    other = [("0.123 m", "0.124 m"), ("0.12345 m", "0.12346 m"), ("1000001 of", "1000002 of")]
+    other += [("1.0 m", "1.0 mm"), ("7,137 of", "7,138 of"), ("1.0", "1"), ("1.0 2.0", "1.0"), ("nan", "0.0")]
     assert [pair for pair in other if texts_alike(*pair)] == []
 
 
 def lesson(*, calls=(1.0, 2.0), answer=4.0, message="m", **changes):
-    exercise = PublicExercise(
-        name="square",
-        number="1.1",
-        points=1.0,
-        stars=1,
-        comparison=Close(rtol=1e-4),
-        cases=[Case((np.array([0.5, 2.0]),), expected=np.array([0.25, 4.0]))],
-        mistakes=[PublicMistake(message, {"0": answer})],
-        hints=["a", "b"],
-        driver="",
-        earlier=[EarlierCall("00:root", ["x"], {"x": each}, 2 * each) for each in calls],
-    )
-    return PublicLesson("01_square", [replace(exercise, **changes)], [], [])
+    case = Case((np.array([0.5, 2.0]),), expected=np.array([0.25, 4.0]))
+    law, mistake = Close(rtol=1e-4), PublicMistake(message, {"0": answer})
+    exercise = PublicExercise("square", "1.1", 1.0, 1, law, [case], [mistake], ["a", "b"], "")
+    earlier = [EarlierCall("00:root", ["x"], {"x": each}, 2 * each) for each in calls]
+    return PublicLesson("01_square", [replace(exercise, earlier=earlier, **changes)], [], [])
 
 
 def same_lesson(**changes):
@@ -100,13 +83,9 @@ def test_check_data_with_other_rounding_errors_is_the_same_and_with_a_changed_de
 
 
 def notebook(text="0.12345678", source="print(x)", **metadata):
-    cell = {
-        "cell_type": "code",
-        "id": "a",
-        "metadata": metadata,
-        "source": source,
-        "outputs": [{"output_type": "execute_result", "data": {"text/plain": [text]}, "execution_count": 1}],
-    }
+    cell = {"cell_type": "code", "id": "a", "metadata": metadata, "source": source}
+    data = {"data": {"text/plain": [text]}, "execution_count": 1}
+    cell["outputs"] = [{"output_type": "execute_result", **data}]
     words = {"cell_type": "markdown", "id": "b", "metadata": {}, "source": "about 0.12345678"}
     return {"cells": [cell, words], "metadata": {"version": "1"}, "nbformat": 4}
 

@@ -10,12 +10,8 @@ from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons import All, Close, Each, Property, Unordered
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.running import Outcome, alarm
-from nao_course.instructor.autograding.failures import (
-    definition_lines,
-    describe_failure,
-    describe_outcome,
-    own_line,
-)
+from nao_course.instructor.autograding import failures
+from nao_course.instructor.autograding.failures import definition_lines, describe_failure, own_line
 from nao_course.instructor.collecting.files import Files
 from nao_course.instructor.sandbox.protocol import UNREADABLE
 
@@ -30,7 +26,7 @@ def described(expected, got, comparison=None, case=None):
 
 def outcome_of(outcome, case, comparison=None):
     exercise = replace(EXERCISE, comparison=comparison or Close())
-    return describe_outcome(exercise, case, outcome, Files(b"{}", {}), 10.0)
+    return failures.describe_outcome(exercise, case, outcome, Files(b"{}", {}), 10.0)
 
 
 @pytest.fixture

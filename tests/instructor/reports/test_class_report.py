@@ -12,14 +12,8 @@ from hypothesis import strategies as st
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Override, State
 from nao_course.instructor.gradebook.scores import score, scores
-from nao_course.instructor.reports.class_report import (
-    _KINDS,
-    MOST_MISTAKES,
-    exercises_of,
-    mistakes_of,
-    report_page,
-    write_report,
-)
+from nao_course.instructor.reports import class_report
+from nao_course.instructor.reports.class_report import _KINDS, MOST_MISTAKES, exercises_of, report_page
 from tests.pages import FOR_ASSISTANTS, HOSTILE, RUBRIC, Page, answer, exercise, mark, result, results
 
 LESSON = "01_hsl_filtering"
@@ -39,7 +33,7 @@ def pictures(page):
 
 def test_mean_median_and_range_count_what_people_changed_and_marked(tmp_path):
     def written(journal):
-        return Page(write_report(journal, tmp_path / "r.html").read_text("utf-8")).text
+        return Page(class_report.write_report(journal, tmp_path / "r.html").read_text("utf-8")).text
 
     three = [result(f"s{i}", exercise(points=10.0, earned=earned)) for i, earned in enumerate((0, 1, 8))]
     assert "mean 3, median 1 of 10; from 0 to 8" in text_of(scores(three))
@@ -86,7 +80,7 @@ def test_the_mistakes_of_the_class_are_counted_the_most_frequent_first():
         result(f"s{i}", exercise("wrong", number="1.1", name="f", mistake=name, hint=hint))
         for i, (name, hint) in enumerate(made)
     ]
-    counted = mistakes_of(scores(results))
+    counted = class_report.mistakes_of(scores(results))
     assert [(each.name, each.many) for each in counted] == [("hue in degrees", 3), ("sign", 1)]
     page = Page(report_page(scores(results)))
     assert "1.1 f 3 hue in degrees Your hue is in degrees." in page.text and page.offences() == []

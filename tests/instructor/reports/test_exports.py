@@ -15,14 +15,8 @@ from nao_course import cli
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Override
 from nao_course.instructor.gradebook.scores import all_scores, score, scores
-from nao_course.instructor.reports.exports import (
-    ExportError,
-    check_format,
-    csv_table,
-    gradescope_results,
-    write_csv,
-    write_gradescope,
-)
+from nao_course.instructor.reports import exports
+from nao_course.instructor.reports.exports import ExportError, csv_table, gradescope_results, write_gradescope
 from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, answer, exercise, mark, result, results
 
 LESSON = "01_hsl_filtering"
@@ -73,7 +67,7 @@ def test_exercises_stand_before_questions_and_a_refusal_or_lateness_with_its_rea
 
 def test_every_student_gets_a_file_and_an_empty_journal_is_a_header(journal, tmp_path):
     assert csv_table([]).decode("utf-8-sig") == "student,total\r\n"
-    assert write_csv(journal, tmp_path / "x").read_bytes() == csv_table([])
+    assert exports.write_csv(journal, tmp_path / "x").read_bytes() == csv_table([])
     assert write_gradescope(journal, tmp_path / "x") == []
     names = ["ada", "Ada", "../eve", *(each for each in HOSTILE if each.isprintable())]
     for name in names:
@@ -148,7 +142,7 @@ def test_a_test_says_what_the_feedback_says_and_what_a_person_marked_or_changed_
 def test_another_format_is_refused_with_those_there_are():
     for name, more in [("nbgrader", ".*later version"), ("xls", r"\.$")]:
         with pytest.raises(ExportError, match=f"no format '{name}'; there are csv, gradescope, mo.*{more}"):
-            check_format(name)
+            exports.check_format(name)
 
 
 def command(*words, status=None):

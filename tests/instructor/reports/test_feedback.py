@@ -12,18 +12,8 @@ from nao_course.instructor.gradebook.records import Override, State
 from nao_course.instructor.gradebook.scores import score
 from nao_course.instructor.reports import html
 from nao_course.instructor.reports.feedback import _STATES, feedback_page, write
-from tests.pages import (
-    FOR_ASSISTANTS,
-    HOSTILE,
-    MISTAKE,
-    RUBRIC,
-    Page,
-    answer,
-    exercise,
-    mark,
-    result,
-    results,
-)
+from tests import pages
+from tests.pages import FOR_ASSISTANTS, HOSTILE, MISTAKE, RUBRIC, Page, answer, exercise, mark, result
 
 HINT = "This looks like degrees where radians belong."
 
@@ -40,15 +30,8 @@ def page(*parts, overrides=(), marks=(), **changed):
 def test_what_works_stands_first_and_what_is_not_written_last_and_in_short():
     blank = exercise("not attempted", name="later", public=("later: not written yet.",))
     text = page(blank, exercise("wrong", public=("2 of 3.", HINT), hint=HINT), exercise(name="second")).text
-    order = (
-        "What works",
-        "second",
-        "What to look at",
-        "rgb_to_hsl",
-        "Not written yet",
-        "later 0 of 2 points",
-    )
-    places = [text.index(each) for each in order]
+    order = "What works, second, What to look at, rgb_to_hsl, Not written yet, later 0 of 2 points"
+    places = [text.index(each) for each in order.split(", ")]
     assert places == sorted(places)
     assert text.count("not written yet") == 0 and text.count(HINT) == 1, "once is enough"
     changed = page(exercise("not attempted"), overrides=[override()]).text
@@ -123,7 +106,7 @@ def test_the_sum_is_that_of_exercises_changes_and_marks():
 
 
 @settings(max_examples=50, deadline=None)
-@given(results())
+@given(pages.results())
 def test_no_page_holds_a_rubric_a_mistakes_name_or_what_is_for_assistants(any_result):
     text = feedback_page(score(any_result))
     assert not [secret for secret in (RUBRIC, MISTAKE, FOR_ASSISTANTS) if secret in text]
@@ -142,9 +125,8 @@ def page_with(text):
     )
     made = replace(made, student=text)
     changes = override(reason=f"x{text}", student=text, exercise="changed")
-    return feedback_page(
-        score(made, [changes], [mark(1, f"x{text}", text=f"x{text}", student=text, question="w")])
-    )
+    marked = mark(1, f"x{text}", text=f"x{text}", student=text, question="w")
+    return feedback_page(score(made, [changes], [marked]))
 
 
 @pytest.mark.parametrize("text", HOSTILE)

@@ -11,20 +11,13 @@ import pytest
 
 from nao_course.codec import PREFIX_SIZE, encode
 from nao_course.instructor.sandbox import protocol
-from nao_course.instructor.sandbox.protocol import (
-    OF_A_WORKER,
-    UNREADABLE,
-    Channel,
-    Ended,
-    describe_end,
-    scrubbed_environment,
-)
+from nao_course.instructor.sandbox.protocol import OF_A_WORKER, Ended, describe_end, scrubbed_environment
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="pipes that can be polled")
 AMPLE = 120.0  # seconds
 
 
-class Piped(Channel):
+class Piped(protocol.Channel):
     """A channel whose other end is in this process."""
 
     def __init__(self):
@@ -83,7 +76,7 @@ def test_half_an_answer_costs_its_time_and_one_that_ends_there_says_so(channel, 
 def test_what_is_no_frame_is_given_up_before_it_is_read(channel, sent):
     channel.ask(b"", AMPLE)
     os.write(channel.their_replies, sent)
-    with pytest.raises(Ended, match=UNREADABLE):
+    with pytest.raises(Ended, match=protocol.UNREADABLE):
         channel.receive()
 
 

@@ -10,14 +10,8 @@ from typer.testing import CliRunner
 from benchmarks.course.similar import disguised
 from nao_course import cli
 from nao_course.exercises.definitions import load_definitions
-from nao_course.instructor.similarity.comparing import (
-    LONGEST,
-    MOST_SHOWN,
-    CommonCode,
-    Comparison,
-    SimilarPair,
-    Work,
-)
+from nao_course.instructor.similarity import comparing
+from nao_course.instructor.similarity.comparing import LONGEST, MOST_SHOWN, Comparison, SimilarPair, Work
 from nao_course.instructor.similarity.own_code import with_executed_texts
 from nao_course.instructor.similarity.page import similar_page
 from tests.instructor.similarity.test_comparing import OWN
@@ -126,7 +120,7 @@ def test_a_folder_without_two_notebooks_is_refused_and_a_student_is_not_similar_
 def test_hostile_names_and_code_stay_text(text):
     first, second = Work(text, (text, text * 3)), Work("ben", (text,))
     pair = SimilarPair(first, second, (0.5, 0.1), 40, ([(1, 3), (4, 9)], [(0, len(text))]))
-    common = CommonCode((first, second), (0.5, 1.0), [(1, 3)])
+    common = comparing.CommonCode((first, second), (0.5, 1.0), [(1, 3)])
     page = Page(similar_page({LESSON: Comparison(2, [pair], [common])}, [text]))
     assert page.offences() == [] and page.text.count("marked in the first notebook") == 1
 
