@@ -150,7 +150,7 @@ def test_a_wrong_file_is_refused_by_its_name(tmp_path, text, message):
         read_pictures("scenes", write(tmp_path, text))
 
 
-@pytest.mark.parametrize("kept", [0, 60])
+@pytest.mark.parametrize("kept", [0, 4, 20, 60])
 def test_a_damaged_picture_is_refused_by_its_name(tmp_path, kept):
     (picture,) = read_pictures("scenes", write(tmp_path, [entry()]))
     picture.path.write_bytes(picture.path.read_bytes()[:kept])
