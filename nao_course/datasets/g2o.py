@@ -1,6 +1,7 @@
 """Pose graphs in the text formats of g2o, TORO, iSAM and GTSAM. A malformed file raises an error with the line.
 
-Writing loses no precision. FIX is written last, because GTSAM 4.3 reads no edge below it.
+Writing loses no precision. FIX is written last, because GTSAM 4.3 reads no edge below it. A new text format begins
+with `FORMS` and `TAGS` in `graph_lines`; any other has a module of its own, such as `freiburg_graph`.
 """
 
 from __future__ import annotations

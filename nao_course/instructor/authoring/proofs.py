@@ -23,6 +23,7 @@ from nao_course.codec import encode
 from nao_course.exercises import LessonPlan, lesson_names
 from nao_course.exercises.cells import SHOWN
 from nao_course.exercises.checking import pack, unpack
+from nao_course.exercises.definitions import demonstrated
 from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.notebook_text import read_cells
@@ -158,6 +159,7 @@ class Proofs:
                 self._taken(name) & {*plan.points, *(each.name for each in plan.questions)}
             ),
             "solution": self._solutions.get(name, []),
+            "shown": demonstrated(self._cells.get(name, [])),
         }
         return _hash(json.dumps(parts, sort_keys=True).encode())
 
@@ -215,10 +217,12 @@ class Proofs:
     @cached_property
     def _solutions(self) -> dict[str, list[tuple[str, str]]]:
         """What each solution notebook defines with: all code but checks and what is only shown."""
-        return {
-            path.stem: [cell for cell in read_cells(path) if _defines(cell[0])]
-            for path in self.solutions.glob(f"{lesson_names.PATTERN}.ipynb")
-        }
+        return {name: [cell for cell in cells if _defines(cell[0])] for name, cells in self._cells.items()}
+
+    @cached_property
+    def _cells(self) -> dict[str, list[tuple[str, str]]]:
+        """The code cells of each solution notebook."""
+        return {path.stem: read_cells(path) for path in self.solutions.glob(f"{lesson_names.PATTERN}.ipynb")}
 
 
 def _defines(role: str) -> bool:

@@ -89,6 +89,7 @@ INPUTS = [
     lambda place: (place / "nao_course" / "new.json").write_text("{}"),
     lambda place: (place / "nao_course" / "geometry.py").unlink(),
     *(another_solution(NAME, cell) for cell in (("solution", "x = 1"), ("setup", "import os"), "x = 1")),
+    another_solution(NAME, ("display", "shown = 1")),
     another_solution(EARLIER, "helper = abs"),
 ]
 
