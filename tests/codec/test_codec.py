@@ -29,15 +29,14 @@ numbers = st.none() | st.booleans() | st.integers(-(2**60), 2**60) | st.floats(a
 keys = st.recursive(
     numbers | st.text(max_size=3), lambda of: st.lists(of, max_size=3).map(tuple), max_leaves=4
 )
-values = st.recursive(
-    leaves,
-    lambda inner: (
-        st.lists(inner, max_size=4)
-        | st.lists(inner, max_size=4).map(tuple)
-        | st.dictionaries(st.text(max_size=5) | keys, inner, max_size=4)
-    ),
-    max_leaves=12,
-)
+
+
+def containers(inner):
+    lists = st.lists(inner, max_size=4)
+    return lists | lists.map(tuple) | st.dictionaries(st.text(max_size=5) | keys, inner, max_size=4)
+
+
+values = st.recursive(leaves, containers, max_leaves=12)
 
 
 @register

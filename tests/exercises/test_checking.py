@@ -1,6 +1,7 @@
 """What a student reads below a cell: each state told apart, each mistake its own message, never an answer."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -18,6 +19,7 @@ import sympy
 from nao_course.codec import encode
 from nao_course.exercises import Between, Case, CheckFailed, Checks, Close, Exact, Points, checking, running
 from nao_course.exercises.checking import grade_public
+from nao_course.exercises.comparisons import Property
 from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.exercise import PublicExercise
 from nao_course.instructor.authoring.plans import load_plan, publish, publish_exercise
@@ -290,6 +292,12 @@ def test_the_advice_on_an_error_stands_below_it_and_names_the_functions_own_argu
     assert "Keep the function's first line" not in repr(check("clamp", calls_another))
     report = repr(check("clamp", lambda pose, control, high: theta))  # noqa: F821
     assert "the function's arguments are pose, control and high" in report
+    for kind in (float, np.uint8):
+        report = repr(grade_public(of(np.zeros((2, 3), kind)), lambda values: float(values[2, 0])))
+        assert "the last of n is n - 1" in report
+        assert ("In a picture, the row comes first." in report) is (kind is np.uint8)
+    for comparison in (Close(), Property(lambda *_: "Some are odd.")):
+        assert re.search(r"\w\.$", grade_public(of(1.0, comparison=comparison), abs).lines[0])
 
 
 def test_a_function_that_calls_an_unwritten_one_is_not_called_unwritten(check):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from nao_course.instructor.authoring.course import Course, load_course
@@ -79,16 +80,9 @@ RIGHT = {
         "alone": "def alone(x):\n    return x + 1",
     },
 }
+_BODY = re.compile(r"^( +)(?!def|\s).*", re.M)
 BLANK = {
-    lesson: {
-        name: f"{source.splitlines()[0]}\n    raise NotImplementedError"
-        if source.startswith("def")
-        else "\n".join(
-            line if line.strip().startswith(("class", "def")) else "        raise NotImplementedError"
-            for line in source.splitlines()
-        )
-        for name, source in functions.items()
-    }
+    lesson: {name: _BODY.sub(r"\1raise NotImplementedError", source) for name, source in functions.items()}
     for lesson, functions in RIGHT.items()
 }
 POINTS = {"quadruple": 1, "Walker": 2, "walk": 4, "tally": 8, "alone": 16}

@@ -62,10 +62,8 @@ def test_the_right_one_is_right_and_wrong_entries_are_named_in_reading_order():
 
 def test_the_wrong_entry_and_the_likely_slip_are_named():
     for derived, text in [
-        (
-            changed(0, 2, d * sin(theta)),
-            "row 1, column 3 (by theta) of your Jacobian is not the derivative of your own model: its sign",
-        ),
+        (changed(0, 2, d * sin(theta)), "row 1, column 3 (by theta) of your Jacobian is not the derivative"),
+        (changed(0, 2, d * sin(theta)), "of your own model: its sign"),
         (changed(0, 2, 0), "it is zero, but your model does change"),
         (changed(0, 2, cos(theta)), "a small change of that variable"),
         (changed(2, 0, 1), "your model does not change with that variable"),

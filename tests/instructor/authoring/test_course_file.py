@@ -41,10 +41,7 @@ def test_what_is_wrong_is_said_with_its_key_and_what_is_allowed(read, tmp_path):
         ("colour = 3", "colour is not understood; there are title, version, lessons, points, deadlines"),
         ("lessons = [1]", "lessons must be a list of numbers"),
         ("points = 3", "points must be a table, got '3'"),
-        *(
-            (f"[points]\nx = {value}", "points.x must be a number, 0 or more")
-            for value in ("'1'", -1, "nan", "true")
-        ),
+        *((f"[points]\nx = {each}", "points.x must be a number, 0") for each in ("'1'", -1, "nan", "true")),
         ("[deadlines]\n01 = 2026-11-20T23:59:00", "deadlines.01 must be a time with its offset from UTC"),
         ("[deadlines]\n01 = 2026-11-20", "deadlines.01 must be a time with its offset from UTC"),
         ("[deadlines]\n07 = 2026-11-20T23:59:00Z", "deadlines: there is no lesson '07'; there are 01_toy"),

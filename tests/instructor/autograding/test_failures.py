@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -97,21 +98,16 @@ def test_a_difference_is_told_by_its_kind_and_without_a_value():
 
 
 def test_a_failure_is_told_in_fixed_words_and_without_a_number_of_the_students(files):
+    ended = partial(Outcome, "died", None)
     for outcome, said in (
         (Outcome("raised", text="KeyError: 5"), "It raises KeyError."),
         (Outcome("raised", text="E3_14: 5", line="line 1: 5"), "It raises an exception of its own."),
-        (
-            Outcome("died", text="the process was ended by signal 9 (Killed)"),
-            "It ends Python itself (Killed).",
-        ),
-        (Outcome("died", text="the process was ended by signal 12 (User 2)"), "It ends Python itself."),
-        (Outcome("died", text="the process ended itself with status 77"), "It ends Python itself."),
-        (Outcome("died", text="signal 3.14"), "It ends Python itself."),
-        (
-            Outcome("died", text="it called base too often"),
-            "It calls a function of another exercise too often.",
-        ),
-        (Outcome("died", text=UNREADABLE), "Its answer is of a kind that cannot be sent."),
+        (ended("the process was ended by signal 9 (Killed)"), "It ends Python itself (Killed)."),
+        (ended("the process was ended by signal 12 (User 2)"), "It ends Python itself."),
+        (ended("the process ended itself with status 77"), "It ends Python itself."),
+        (ended("signal 3.14"), "It ends Python itself."),
+        (ended("it called base too often"), "It calls a function of another exercise too often."),
+        (ended(UNREADABLE), "Its answer is of a kind that cannot be sent."),
     ):
         told = describe_failure("f", outcome, files, 1.0)
         assert (told.text, told.line) == (said, "")

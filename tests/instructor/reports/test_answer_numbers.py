@@ -5,15 +5,8 @@ import pytest
 
 from nao_course.instructor.reports.answer_numbers import chance_of_agreement, compare_numbers, numbers_in
 
-WORLDS = {
-    name: {"mean": mean, "error": error}
-    for name, mean, error in (
-        ("ada", 1.0834, 0.0329),
-        ("bob", 1.3116, 0.0411),
-        ("cyd", 0.91, 0.02),
-        ("dan", 2.2, 0.05),
-    )
-}
+NUMBERS = {"ada": (1.0834, 0.0329), "bob": (1.3116, 0.0411), "cyd": (0.91, 0.02), "dan": (2.2, 0.05)}
+WORLDS = {name: {"mean": mean, "error": error} for name, (mean, error) in NUMBERS.items()}
 
 
 def contains(text, value):
