@@ -142,7 +142,14 @@ class Lab:
 
     def our_errors(self) -> list[str]:
         """Errors of the browser's console that may be ours: not those of files that JupyterLab itself misses."""
-        foreign = ("favicon", "Failed to load resource", "ERR_", "preload", "service worker")
+        foreign = (
+            "favicon",
+            "Failed to load resource",
+            "ERR_",
+            "preload",
+            "service worker",
+            "debugger state",
+        )
         return [
             line
             for line in self.console

@@ -6,6 +6,7 @@ from PIL import Image
 
 from nao_course.lessons.distance.phone.photo import SIZE
 from nao_course.lessons.distance.phone.sheet import CLICKED, usual_phone, usual_photo
+from tests.browser.lab import wait_for
 from tests.browser.notebook_page import expect, panel_of, screenshot
 from tests.paths import PROJECT
 
@@ -39,13 +40,16 @@ def test_a_photo_is_uploaded_its_corners_are_clicked_and_landmarks_stand_on_the_
     for letter, (u, v) in zip(
         CLICKED, view.at_size(SIZE).project(np.array(list(CLICKED.values())), pose), strict=True
     ):
-        picture = root.locator(".nao-pad-over").first
-        box = picture.bounding_box()
+        picture, mark = root.locator(".nao-pad-over").first, root.locator(".nao-cursor").first
+        box, before = picture.bounding_box(), mark.get_attribute("style")
         picture.click(
             position={"x": (u + 0.5) / SIZE[0] * box["width"], "y": (v + 0.5) / SIZE[1] * box["height"]}
         )
+        # JupyterLab keeps a change back while the kernel works on an earlier one: the letter would come before it.
+        wait_for(lambda before=before, mark=mark: mark.get_attribute("style") != before, "the clicked pixel")
+        said = root.inner_text()
         root.locator(f".nao-do-{letter.lower()}").click()
-        page.wait_for_timeout(500)
+        wait_for(lambda said=said: root.inner_text() != said, "the next letter")
     expect(root, "From the four letters, the phone was 3")
     expect(root, "post at (3, 0.7)")
     expect(root, "post at (3, -0.7)")
