@@ -24,7 +24,7 @@ from tests.lessons.every import (
     waived_rules_are_skipped,  # noqa: F401 - for every test here
 )
 
-# Which of the mutants are tried here, of these lessons, in which one takes seconds, fewer; `nao-course mutate` tries all.
+# Every which mutant is tried here; fewer of the lessons in which one takes seconds. `nao-course mutate` tries all.
 EVERY, SPARSE = 6, {"03_hough_corners": 15, "10_experiments": 15, "12_beyond": 15}
 FEWEST_MUTANTS = 15  # of an exercise: fewer say nothing about its cases
 EXERCISES = [(name, exercise) for name in NAMES for exercise in COURSE.plan(name).exercises]
