@@ -108,8 +108,9 @@ def test_hidden_cases_catch_mutants_of_the_solutions(name):
     report = mutate(name, jobs=2, every=every)
     hidden, public, total = report.caught()
     assert total >= FEWEST_MUTANTS / every * len(COURSE.plan(name).exercises)
-    assert hidden / total >= 0.97, [mutant.diff for mutant in report.survivors]
-    assert public / total >= 0.85
+    # 3 % and 15 % of all mutants may survive; of a sample, one more
+    assert total - hidden <= 1 + 0.03 * total, [mutant.diff for mutant in report.survivors]
+    assert total - public <= 1 + 0.15 * total
     known = {line for trial in report.equivalents for line in trial.mutant.lines}
     for exercise in COURSE.plan(name).exercises:
         assert exercise.equivalents.keys() <= known, f"{exercise.name}: no mutant, or none that is right"
