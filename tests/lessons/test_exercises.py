@@ -26,7 +26,7 @@ from tests.lessons.every import (
 
 # Every which mutant is tried here; fewer of the lessons in which one takes seconds. `nao-course mutate` tries all.
 EVERY = 6
-SPARSE = {"03_hough_corners": 30, "10_experiments": 15, "11_slam_on_the_field": 30, "12_beyond": 15}
+SPARSE = {"03_hough_corners": 30, "10_experiments": 15, "12_beyond": 15}
 FEWEST_MUTANTS = 15  # of an exercise: fewer say nothing about its cases
 EXERCISES = [(name, exercise) for name in NAMES for exercise in COURSE.plan(name).exercises]
 
@@ -103,6 +103,8 @@ def test_hidden_cases_catch_mutants_of_the_solutions(name):
     """Mutants that are right are declared with the reason, and pass many more hidden cases."""
     if name[:2] == "00":
         pytest.skip("lesson 00 is not graded")
+    if name[:2] == "11":
+        pytest.skip("it takes six minutes: `nao-course mutate 11` tries all of its mutants")
     if "8" in waived(name):
         pytest.skip(f"{name} waives rule 8: {waived(name)['8']}")
     every = SPARSE.get(name, EVERY)
