@@ -24,9 +24,9 @@ from tests.lessons.every import (
     waived_rules_are_skipped,  # noqa: F401 - for every test here
 )
 
-# Every which mutant is tried here; fewer of the lessons in which one takes seconds. `nao-course mutate` tries all.
-EVERY = 6
-SPARSE = {"03_hough_corners": 30, "10_experiments": 15, "12_beyond": 15}
+# Every which mutant is tried here, fewer of the lessons in which that takes minutes; `nao-course mutate` tries all.
+EVERY = 3
+SPARSE = {"03_hough_corners": 6, "11_slam_on_the_field": 10, "12_beyond": 6}
 FEWEST_MUTANTS = 15  # of an exercise: fewer say nothing about its cases
 EXERCISES = [(name, exercise) for name in NAMES for exercise in COURSE.plan(name).exercises]
 
@@ -103,20 +103,20 @@ def test_hidden_cases_catch_mutants_of_the_solutions(name):
     """Mutants that are right are declared with the reason, and pass many more hidden cases."""
     if name[:2] == "00":
         pytest.skip("lesson 00 is not graded")
-    if name[:2] == "11":
-        pytest.skip("it takes six minutes: `nao-course mutate 11` tries all of its mutants")
     if "8" in waived(name):
         pytest.skip(f"{name} waives rule 8: {waived(name)['8']}")
     every = SPARSE.get(name, EVERY)
     report = mutate(name, jobs=2, every=every)
     hidden, public, total = report.caught()
     assert total >= FEWEST_MUTANTS / every * len(COURSE.plan(name).exercises)
-    # 3 % and 15 % of all mutants may survive; of a sample, one more
-    assert total - hidden <= 1 + 0.03 * total, [mutant.diff for mutant in report.survivors]
-    assert total - public <= 1 + 0.15 * total
+    assert hidden / total >= 0.97, [mutant.diff for mutant in report.survivors]
+    assert public / total >= 0.85
+    assert report.unknown == ()
     known = {line for trial in report.equivalents for line in trial.mutant.lines}
     for exercise in COURSE.plan(name).exercises:
-        assert exercise.equivalents.keys() <= known, f"{exercise.name}: no mutant, or none that is right"
+        assert known.issuperset([*exercise.equivalents][::every]), (
+            f"{exercise.name}: a line that is not right"
+        )
 
 
 def test_checks_load_no_panel_and_no_figure():

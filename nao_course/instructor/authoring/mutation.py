@@ -110,10 +110,11 @@ class Trial:
 
 @dataclass(frozen=True)
 class MutationReport:
-    """What a lesson's tests notice."""
+    """What a lesson's tests notice; `unknown` says which lines that a declaration calls right no mutant has."""
 
     lesson: str
     trials: tuple[Trial, ...]
+    unknown: tuple[str, ...] = ()
 
     @property
     def survivors(self) -> list[Mutant]:
@@ -138,7 +139,7 @@ def mutate(
 ) -> MutationReport:
     """Run the mutants of a solution against the tests, in `jobs` processes, with hidden cases of these seeds.
 
-    `every` n-th mutant is tried, and all that the declarations call right.
+    `every` n-th mutant is tried, and `every` n-th line that the declarations call right.
     """
     name = lesson_name(lesson, solutions)
     plan, functions = load_plan(solutions / "exercises" / f"{name}.py"), reference(name, solutions)
@@ -151,12 +152,20 @@ def mutate(
             for each in plan.exercises
             if each.equivalents
         }
+    made = {each.name: list(make_mutants(each.name, sources[each.name])) for each in plan.exercises}
+    said_right = {each.name: {*[*each.equivalents][::every]} for each in plan.exercises}
     mutants = [
         mutant
-        for each in plan.exercises
-        for number, mutant in enumerate(make_mutants(each.name, sources[each.name]))
-        if number % every == 0 or mutant.lines & each.equivalents.keys()
+        for of_one in made.values()
+        for number, mutant in enumerate(of_one)
+        if number % every == 0 or mutant.lines & said_right[mutant.exercise]
     ]
+    unknown = tuple(
+        f"{each.name}: no mutant has the line {line}"
+        for each in plan.exercises
+        for line in each.equivalents
+        if not any(line in mutant.lines for mutant in made[each.name])
+    )
     with ExitStack() as stack:
         free: SimpleQueue[Worker] = SimpleQueue()
         for _ in range(jobs):
@@ -180,7 +189,8 @@ def mutate(
 
         pool = stack.enter_context(ThreadPoolExecutor(jobs))
         running = pool.map(trial, mutants)
-        return MutationReport(name, tuple(track(running, f"mutants of {name}", len(mutants), transient=True)))
+        trials = tuple(track(running, f"mutants of {name}", len(mutants), transient=True))
+        return MutationReport(name, trials, unknown)
 
 
 def _earlier(notebook: Path, plan: LessonPlan) -> list[EarlierNotebook]:
@@ -204,6 +214,8 @@ def show(report: MutationReport, console: Console | None = None) -> None:
     for trial in report.equivalents:
         console.print(f"{trial.mutant.exercise}: {', '.join(sorted(trial.mutant.lines))}", markup=False)
         console.print(f"    is right: {trial.reason}", markup=False)
+    for each in report.unknown:
+        console.print(f"{each}, which the declaration calls right", markup=False)
     columns = (
         "exercise",
         "mutants",

@@ -106,14 +106,17 @@ def test_a_mutant_that_never_ends_is_caught(tmp_path, monkeypatch):
 def test_a_mutant_that_is_said_to_be_right_is_counted_apart_unless_a_case_speaks_against_it(tmp_path):
     where = toy.solutions(tmp_path / "apart")
     right, reason = "return max(low, min(x, high))", "the smaller of two has no order"
-    replan(where, f"equivalents={ {right: reason, 'return min(high, x)': 'a lie'}!r}")
+    replan(where, f"equivalents={ {right: reason, 'return min(high, x)': 'a lie', 'x = 1': 'no line'}!r}")
     report = mutate("90", jobs=1, solutions=where)
-    assert {trial.reason for trial in report.equivalents} == {reason}
+    assert {trial.reason for trial in report.equivalents} == {reason} and report.unknown == (
+        "clamp: no mutant has the line x = 1",
+    )
     assert all(trial.mutant.lines == {right} for trial in report.equivalents)
     assert report.caught("clamp")[2] == len(report.trials) - len(report.equivalents)
     console = Console(record=True, width=120)
     show(report, console)
-    assert f"is right: {reason}" in console.export_text()
+    shown = console.export_text()
+    assert f"is right: {reason}" in shown and "clamp: no mutant has the line x = 1" in shown
     few = mutate("90", jobs=1, solutions=where, every=5)
     assert few.equivalents == report.equivalents and few.caught()[2] < report.caught()[2] / 2
 
