@@ -37,10 +37,13 @@ def command_seconds(root: Path, *words: str) -> float:
     return module_seconds(root, "nao_course.cli", *words)
 
 
-def module_seconds(root: Path, *words: str, seconds: float = SECONDS) -> float:
-    """Return the processor seconds of a module that is run as a program, and of all that it starts."""
+def module_seconds(root: Path, *words: str, seconds: float = SECONDS, worst: int = 1) -> float:
+    """Return the processor seconds of a module that is run as a program, and of all that it starts.
+
+    Raise a RuntimeError if its exit status is above `worst`: 1 is that of tests that fail and notebooks not finished.
+    """
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(
+    ran = subprocess.run(
         [sys.executable, "-m", *words],
         cwd=root,
         env=os.environ | {"PYTHONPATH": str(root)},
@@ -48,6 +51,8 @@ def module_seconds(root: Path, *words: str, seconds: float = SECONDS) -> float:
         check=False,
         timeout=seconds,
     )
+    if ran.returncode not in range(worst + 1):
+        raise RuntimeError(f"in {root}, {' '.join(words)} ends with the exit status {ran.returncode}")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
