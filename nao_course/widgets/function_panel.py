@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import html
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -67,8 +66,6 @@ _CSS = """
 """
 
 Show = Callable[[Values, StudentCode], Any]
-# s; ipywidgets sends a click at once, but a value that changed before it only when the kernel is idle again
-HELD_VALUES = 0.25
 
 
 class FunctionPanel:
@@ -246,17 +243,6 @@ class FunctionPanel:
             self._refused = str(error)
         self._newest.ask()
 
-    def _clicked(self, action: Action) -> None:
-        """Press a button, in a panel with pixels after the pixel that was clicked before it has arrived."""
-        try:
-            loop = asyncio.get_running_loop() if self._pixels() else None
-        except RuntimeError:  # no kernel: a plain Python program
-            loop = None
-        if loop:
-            loop.call_later(HELD_VALUES, self._pressed, action)
-        else:
-            self._pressed(action)
-
     def _pressed(self, action: Action) -> None:
         counted = {} if action.sets else {action.name: self._values[action.name] + 1}
         self._take(self._checked({**action.sets, **counted}))
@@ -377,7 +363,7 @@ class FunctionPanel:
             mark.add_class("nao-mark")
         for name, control in self._controls.items():
             if isinstance(control, Action):
-                self._widgets[name].on_click(lambda pressed, action=control: self._clicked(action))
+                self._widgets[name].on_click(lambda pressed, action=control: self._pressed(action))
             else:
                 self._widgets[name].observe(partial(self._moved, control), "value")
         self._legend = html_line("", "nao-legend")
