@@ -346,7 +346,8 @@ def _whose(error: BaseException) -> str:
     value = getattr(error, "obj", None)  # of an AttributeError
     for name in dict.fromkeys([*code.co_names, *code.co_varnames[: code.co_argcount]]):
         used = re.search(rf"(?<![\w.]){name}\s*{'[.]' if isinstance(error, AttributeError) else '[(]'}", line)
-        held = (frame.f_locals if name in code.co_varnames else frame.f_globals).get(name)
+        # The notebook gave no value to a name that is not there, such as len: print stands for it
+        held = (frame.f_locals if name in code.co_varnames else frame.f_globals).get(name, print)
         if not used or callable(held) or (isinstance(error, AttributeError) and held is not value):
             continue
         whose = "the argument" if name in code.co_varnames else "the notebook's name"

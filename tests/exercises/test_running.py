@@ -63,6 +63,22 @@ def test_the_students_own_line_is_said_also_where_code_that_was_made_as_text_rai
     assert outcome.line == f"line {number}: {source.splitlines()[-1].strip()}"
 
 
+@pytest.mark.parametrize(
+    ("source", "named"),
+    [
+        ("T = 3\ndef f(v):\n    return T(v)", "; the notebook's name T is of type int"),
+        ("def f(v):\n    return v(1)", "; the argument v is of type int"),
+        ("T = 3\ndef f(v):\n    return T.size", "; the notebook's name T is of type int"),
+        ("def f(v):\n    return len(v)", ""),  # nobody gave the name len to a value
+    ],
+)
+def test_a_name_of_the_notebook_or_an_argument_whose_value_fails_is_said_and_no_builtin_is_blamed(
+    source, named
+):
+    text = call(cell(source, CELLS[0]), Case((0,))).text
+    assert text.partition("; ")[1:] == named.partition("; ")[1:]
+
+
 needs_alarm = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no alarm clock")
 
 
