@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import html
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -66,6 +67,8 @@ _CSS = """
 """
 
 Show = Callable[[Values, StudentCode], Any]
+# s; ipywidgets sends a click at once, but a value that changed before it only when the kernel is idle again
+HELD_VALUES = 0.25
 
 
 class FunctionPanel:
@@ -243,6 +246,17 @@ class FunctionPanel:
             self._refused = str(error)
         self._newest.ask()
 
+    def _press_later(self, action: Action) -> None:
+        """Run a button's action; in a panel with pixels, after the pixel that was clicked before it has arrived."""
+        try:
+            loop = asyncio.get_running_loop() if self._pixels() else None
+        except RuntimeError:  # no kernel: a plain Python program
+            loop = None
+        if loop:
+            loop.call_later(HELD_VALUES, self._pressed, action)
+        else:
+            self._pressed(action)
+
     def _pressed(self, action: Action) -> None:
         counted = {} if action.sets else {action.name: self._values[action.name] + 1}
         self._take(self._checked({**action.sets, **counted}))
@@ -363,7 +377,7 @@ class FunctionPanel:
             mark.add_class("nao-mark")
         for name, control in self._controls.items():
             if isinstance(control, Action):
-                self._widgets[name].on_click(lambda pressed, action=control: self._pressed(action))
+                self._widgets[name].on_click(lambda pressed, action=control: self._press_later(action))
             else:
                 self._widgets[name].observe(partial(self._moved, control), "value")
         self._legend = html_line("", "nao-legend")

@@ -334,6 +334,27 @@ def test_in_a_kernels_loop_only_the_newest_value_is_shown():
     assert "Level 150" in panel.summary()
 
 
+def test_a_button_that_arrives_before_the_pixel_that_was_clicked_first_acts_on_that_pixel():
+    taken = []
+
+    def take(values, student):
+        if values.take > len(taken):
+            taken.append(values.pixel)
+        return {"The scene": NOISE}
+
+    panel = FunctionPanel("Take", take, [Pixel("pixel", "Pixel", (32, 24)), Action("take", "Take")])
+
+    async def scenario():
+        panel._widgets["take"].click()
+        await asyncio.sleep(0)
+        panel._widgets["pixel"].value = "3, 4"
+        while not taken:
+            await asyncio.sleep(0.01)
+
+    asyncio.run(asyncio.wait_for(scenario(), 60))
+    assert taken == [(3, 4)]
+
+
 def test_names_that_are_not_there_are_errors_that_list_others_and_wrong_results_are_said_to_be_of_their_function():
     panel = FunctionPanel("A", lambda values, student: values.size, [LEVEL])
     assert "no control 'size'; it has ['level']" in panel.summary()

@@ -86,8 +86,6 @@ def _names(node: ast.stmt) -> frozenset[str]:
     """Return the names that a statement defines; none if it does something else as well."""
     if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.decorator_list:
         return frozenset({node.name})
-    if isinstance(node, ast.Import | ast.ImportFrom) and not any(each.name == "*" for each in node.names):
-        return frozenset((each.asname or each.name).partition(".")[0] for each in node.names)
     if isinstance(node, ast.Assign) and all(isinstance(each, ast.Name) for each in node.targets):
         return frozenset(each.id for each in node.targets if isinstance(each, ast.Name))
     return frozenset()
