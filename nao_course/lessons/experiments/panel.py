@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from nao_course.geometry import FloatArray
 from nao_course.lessons.experiments.landscape import NOTHING, OURS, interval_of
 from nao_course.lessons.experiments.resampling import as_table
-from nao_course.lessons.experiments.scenes import CornerScene, nothing_costs
+from nao_course.lessons.experiments.scenes import CornerScene, nothing_costs, simulated_scenes
 from nao_course.plotting import Drawing, course_style
 from nao_course.plotting.marks import TRUE, at_scale, enlarged, with_crosses, with_rings
 from nao_course.plotting.style import FOUND
@@ -52,7 +52,7 @@ class SettingPanel(FunctionPanel):
         """Try the paper's setting and build the widgets."""
         if len(scenes) < WORST:
             raise ValueError(f"scenes must be at least {WORST}, got {len(scenes)}")
-        self._scenes, self._nothing = list(scenes), nothing_costs(scenes)
+        self._scenes = list(scenes)
         super().__init__(
             "Settings panel",
             self._try,
@@ -74,9 +74,13 @@ class SettingPanel(FunctionPanel):
                     "length", "Least length", 15, 80, 5, 40, unit="px", tooltip="Shortest length of a segment"
                 ),
                 Action("paper", "The paper's best", sets={"beta": 120, "gap": 5, "length": 40}),
+                Action(
+                    "fresh", "Thirty new pictures", tooltip="Other rooms, in 15 s; Reset brings yours back"
+                ),
             ],
             student={"grid_search": grid_search, "bootstrap_interval": bootstrap_interval, "find": find},
             small=(COSTS,),
+            time_limit=60.0,
             unfinished={
                 "grid_search": "Finish exercise 10.3 to see what a setting costs.",
                 "bootstrap_interval": "Finish exercise 10.4 to see the interval.",
@@ -87,22 +91,24 @@ class SettingPanel(FunctionPanel):
     def _try(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the costs of all pictures, then the interval, then the pictures that cost most."""
         setting = (values.beta, values.gap, values.length)
-        table = as_table(student.grid_search(self._scenes, *([each] for each in setting)))
+        scenes = list(simulated_scenes(seed=values.fresh)) if values.fresh else self._scenes
+        nothing = nothing_costs(scenes)
+        table = as_table(student.grid_search(scenes, *([each] for each in setting)))
         costs = next(iter(table.values()))
-        yield {COSTS: _draw_costs(costs, self._nothing)}
+        yield {COSTS: _draw_costs(costs, nothing)}
         yield Legend({"true corner (cross)": TRUE, "corner found": FOUND})
         low, high = interval_of(student.bootstrap_interval, costs)
-        better, worse = interval_of(student.bootstrap_interval, costs - self._nothing)
+        better, worse = interval_of(student.bootstrap_interval, costs - nothing)
         for i in np.argsort(-costs, kind="stable")[:WORST]:
-            pixels, corners = self._scenes[i]
+            pixels, corners = scenes[i]
             found = student.find(pixels, *setting)
             rings = with_rings(enlarged(pixels, SIZE), at_scale(found, SIZE, "corners (u, v)"), scale=SIZE)
             marked = with_crosses(rings, at_scale(corners, SIZE), SIZE)
             yield {f"Picture {i + 1} costs {costs[i]:.2f}": marked}
         yield (
             f"Mean cost {costs.mean():.2f}, 95 % from {low:.2f} to {high:.2f}. Reporting nothing costs "
-            f"{self._nothing.mean():.2f}; "
-            f"the difference is {np.mean(costs - self._nothing):.2f}, 95 % from {better:.2f} to {worse:.2f}."
+            f"{nothing.mean():.2f}; the difference is {np.mean(costs - nothing):.2f}, 95 % from {better:.2f} to "
+            f"{worse:.2f}."
         )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,25 +10,19 @@ import numpy as np
 from nao_course._internal.personal_world import PersonalWorld
 from nao_course.geometry import FloatArray
 from nao_course.lessons.experiments.paper_table import PICTURES, Setting
-from nao_course.lessons.experiments.scenes import CornerScene, nothing_costs
-from nao_course.metrics import CornerTruth
+from nao_course.lessons.experiments.scenes import CornerScene, nothing_costs, simulated_scene
 from nao_course.plotting import Table, table
-from nao_course.sim import Reality
-from nao_course.sim.scenes import standard_scene
 
 PROBABILITY = 0.95  # of the intervals
 BEST: Setting = (120, 7, 50)  # of the solution's detector, in the lesson's pictures
 
 
-@lru_cache(maxsize=2)
 def personal_scenes(world: PersonalWorld, pictures: int = PICTURES) -> tuple[CornerScene, ...]:
     """Render up to 30 pictures (240, 320, 3) of a student's personal room, each with its L and T corners (K, 2), px.
 
     The world's name determines the room and the places.
     """
-    room = Reality.lab(seed=world.seed("10: room"))
-    scenes = (standard_scene("tune", number, reality=room) for number in range(pictures))
-    return tuple((scene.pixels, CornerTruth.of(scene.truth).corners) for scene in scenes)
+    return tuple(simulated_scene(number, seed=world.seed("10: room")) for number in range(pictures))
 
 
 def costs_in(scenes: Sequence[CornerScene], setting: Setting, grid_search: Callable[..., Any]) -> FloatArray:

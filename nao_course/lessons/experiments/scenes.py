@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,25 +15,33 @@ from nao_course.geometry import FloatArray
 from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, PICTURES, Setting
 from nao_course.lessons.experiments.resampling import as_table
 from nao_course.metrics import CornerTruth
+from nao_course.sim.reality import Reality
 from nao_course.sim.scenes import SceneSet, standard_scene
 
 Pixels = npt.NDArray[np.uint8]
 CornerScene = tuple[Pixels, FloatArray]  # a picture (H, W, 3), and its corners (K, 2), (u, v) px
 
 
-@cache
-def simulated_scene(number: int, which: SceneSet = "tune", size: tuple[int, int] = (320, 240)) -> CornerScene:
-    """Return a picture of a standard set, counted from 0, with its L and T corners; it is read-only."""
-    scene = standard_scene(which, number, size)
+@lru_cache(maxsize=600)
+def simulated_scene(
+    number: int, which: SceneSet = "tune", size: tuple[int, int] = (320, 240), seed: int = 0
+) -> CornerScene:
+    """Return a picture of a standard set, counted from 0, with its L and T corners; it is read-only.
+
+    Another `seed` selects other rooms and places.
+    """
+    scene = standard_scene(which, number, size, Reality(seed=seed))
     pair = scene.pixels, CornerTruth.of(scene.truth).corners
     for array in pair:
         array.setflags(write=False)
     return pair
 
 
-def simulated_scenes(which: SceneSet = "tune", size: tuple[int, int] = (320, 240)) -> tuple[CornerScene, ...]:
-    """Return all thirty pictures of the simulator's set "tune" or "report"."""
-    return tuple(simulated_scene(number, which, size) for number in range(PICTURES))
+def simulated_scenes(
+    which: SceneSet = "tune", size: tuple[int, int] = (320, 240), seed: int = 0
+) -> tuple[CornerScene, ...]:
+    """Return all thirty pictures of the simulator's set "tune" or "report", or with a `seed` those of other rooms."""
+    return tuple(simulated_scene(number, which, size, seed) for number in range(PICTURES))
 
 
 def real_scenes(which: PictureSet) -> tuple[CornerScene, ...]:

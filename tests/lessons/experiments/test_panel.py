@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from nao_course.lessons.experiments import panel as module
 from nao_course.lessons.experiments.panel import SettingPanel
 
 SCENES = [(np.full((48, 64, 3), 90, np.uint8), np.array([(20.0 + k, 20.0)])) for k in range(4)]
@@ -27,3 +28,12 @@ def test_every_slider_reaches_the_students_functions_and_cost_and_interval_are_s
     shown = panel()
     assert "Mean cost 1.50, 95 % from 0.50 to 2.50. Reporting nothing costs 1.00" in shown.summary()
     assert {"Picture 4 costs 3.00", "Picture 3 costs 2.00"} <= set(shown.shown.pictures)
+
+
+def test_thirty_new_pictures_replace_the_scenes_until_the_reset(monkeypatch):
+    monkeypatch.setattr(module, "simulated_scenes", lambda seed: SCENES[:3] * seed)
+    shown = panel()
+    shown.set(fresh=2)
+    assert "Mean cost 2.50" in shown.summary() and "Picture 6 costs 5.00" in shown.shown.pictures
+    shown.reset()
+    assert "Mean cost 1.50" in shown.summary()

@@ -138,7 +138,7 @@ def test_the_numbers_of_the_lessons_own_search_are_those_of_its_solution():
 def test_the_text_names_the_settings_of_the_panel_that_surely_cost_less_than_nothing():
     scenes = simulated_scenes()
 
-    def costs_of(*setting):
+    def costs_of(*setting, scenes=scenes):
         costs = OWN["grid_search"](scenes, *([each] for each in setting))[setting] - nothing_costs(scenes)
         return costs.mean(), *OWN["bootstrap_interval"](costs, 0.95, np.random.default_rng(0))
 
@@ -150,3 +150,5 @@ def test_the_text_names_the_settings_of_the_panel_that_surely_cost_less_than_not
     assert betas == [140, 145, 155, 165, 180] and "| beta | 140, 145, 155, 165, 180 |" in TEXT
     mean, low, high = costs_of(165, 5, 40)
     assert f"(at 165 the difference is {mean:.2f}, from about {low:.1f} to {high:.1f})" in TEXT
+    mean, low, high = costs_of(165, 5, 40, scenes=simulated_scenes(seed=1))
+    assert f"the difference of 165, 5, 40 is {mean:.2f}, from about {low:.1f} to {high:.1f}." in TEXT
