@@ -452,6 +452,10 @@ UPDATE_PARTICLE_LANDMARK = Exercise(
             You add the quadratic form. Equation 12.4 subtracts it: a large innovation makes the measurement less probable.
         the negative of it: float(log_weight) => float(-log_weight)
             Your log weight has the wrong sign. Both terms of equation 12.4 are subtracted.
+        entries of I minus K H: covariance - K @ H @ covariance => (np.eye(2) - K @ H) * covariance
+            (I - K H) * P multiplies element by element. The matrix product is @.
+        nu before K: mean + K @ nu => mean + nu @ K
+            nu @ K multiplies with the transpose of K. The update is l' = l + K nu: K @ nu.
         K H alone: covariance - K @ H @ covariance => covariance - K @ H
             You subtract K H. The update subtracts K H P: P' = P - K H P.
         1 minus K H: covariance - K @ H @ covariance => (1 - K @ H) @ covariance
@@ -898,6 +902,16 @@ TRAVEL_STEPS = Exercise(
         the last first, upwards: wave.pop(0) => wave.pop()
             ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)) => ((row - 1, column), (row + 1, column), (row, column - 1), (row, column + 1))
             You process the newest cell first, which follows a single path to its end and gives too many steps. Use wave.pop(0), which takes the oldest cell.
+        by recursion: np.full(free.shape, -1) => np.full(free.shape, -1)
+            + def follow(row, column, count):
+            +     inside = 0 <= row < free.shape[0] and 0 <= column < free.shape[1]
+            +     if inside and free[row, column] and steps[row, column] < 0:
+            +         steps[row, column] = count
+            +         for down, right in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            +             follow(row + down, column + right, count + 1)
+            + follow(*start, 0)
+            + return steps
+            Your function follows one path to its end before it tries the others, as recursion does, so it gives too many steps. Keep the cells in a list, and process the oldest one first.
         through boxes: inside and free[cell] => inside
             Your path leads through cells that are not free.
         onto boxes: inside and free[cell] => inside
@@ -1140,6 +1154,10 @@ CHOOSE_MOVE = Exercise(
             You sum standard deviations. Equation 12.7 is the sum of the variances.
         the last of equals: np.argmin(variances) => len(variances) - 1 - np.argmin(variances[::-1])
             If several options are equal, you return the last one. Return the first one: compare with < instead of <=.
+        always the first: int(np.argmin(variances)) => 0
+            You always return 0. If you search for the smallest sum in a loop, start with np.inf, because no sum is below 0.
+        the sum itself: int(np.argmin(variances)) => float(np.min(variances))
+            You return the smallest sum. Return the index of its option: np.argmin.
         the option itself: return int(np.argmin(variances)) => return options[np.argmin(variances)]
             You return the option. Return its index: np.argmin of the sums.
         k of the option: control_covariance, k => control_covariance, len(option.indices)

@@ -112,10 +112,12 @@ def draw_lost_filters(predict: Function, update_landmarks: Function) -> Drawing:
 
 
 @course_style()
-def draw_finding(weigh: Function, resample: Function) -> Drawing:
+def draw_finding(
+    weigh: Function, resample: Function, particles: int = 2000, seed: int = LOST_SEED
+) -> Drawing:
     """Draw the particles of a robot that does not know its place: at the start and after some measurements."""
     steps = lap(LOST_SEED, max(LOST_SHOWN) - 1)
-    clouds = find_itself(weigh, resample, steps, np.random.default_rng(LOST_SEED), 2000)
+    clouds = find_itself(weigh, resample, steps, np.random.default_rng(seed), particles)
     truth = np.array([steps[0].pose, *(step.pose for step in steps)])
     said = []
     figure = Figure(figsize=(9.9, 3.9))
@@ -140,7 +142,7 @@ def draw_finding(weigh: Function, resample: Function) -> Drawing:
         )
     dot = Line2D([], [], color=STYLES["ekf"].colour, marker=".", ls="", ms=8, label="particle (position)")
     legend_below(figure, [source_key("truth", "robot"), dot])
-    return Drawing(figure, f"Two thousand particles on the half field and the true robot: {'; '.join(said)}.")
+    return Drawing(figure, f"{particles} particles on the half field and the true robot: {'; '.join(said)}.")
 
 
 def depleted(update_particle_landmark: Function, resample: Function, n: int) -> ParticleRun:

@@ -40,7 +40,7 @@ def simulated_scene(
 def simulated_scenes(
     which: SceneSet = "tune", size: tuple[int, int] = (320, 240), seed: int = 0
 ) -> tuple[CornerScene, ...]:
-    """Return all thirty pictures of the simulator's set "tune" or "report", or with a `seed` those of other rooms."""
+    """Return all thirty pictures of the simulator's set "tune" or "report"; another `seed` selects other rooms."""
     return tuple(simulated_scene(number, which, size, seed) for number in range(PICTURES))
 
 

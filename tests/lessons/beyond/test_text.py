@@ -40,10 +40,9 @@ def test_the_text_says_what_was_measured_of_particles_rooms_and_moves():
     quotes(
         section("Thirty moves in a circle"),
         *(f"{rows[n]['ancestors'].index(1)} moves" for n in (100, 1000)),
-        off[None],
-        f"NEES {nees[None]:.1f}",
-        *(f"{off[n]} and {nees[n]:.0f}" for n in (100, 300, 1000)),
-        off[10],
+        f"| Kalman filter | {off[None]} | {nees[None]:.1f} |",
+        f"| 10 particles | {off[10]} | above 100 |",
+        *(f"| {n} particles | {off[n]} | {nees[n]:.0f} |" for n in (100, 300, 1000)),
         f"{rows[300]['nees'][10]:.1f} after ten moves",
         "fifty",
     )
