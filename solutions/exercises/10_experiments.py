@@ -366,6 +366,8 @@ GRID_SEARCH = Exercise(
     mistakes=catalogue("""
         means only: np.array(costs) => float(np.mean(costs))
             You return one mean for each setting. Return the costs of all scenes, because the uncertainty of a mean can only be computed from them.
+        sums only: np.array(costs) => float(np.sum(costs))
+            You return one sum for each setting. Return the costs of all scenes, because the uncertainty of a mean can only be computed from them.
         one cost for each setting: .append(detection_cost(found, corners, tolerance)) => = detection_cost(found, corners, tolerance)
             You keep only the cost of the last scene for each setting. Append the costs of all scenes to a list.
         a new list for each scene: .append(detection_cost(found, corners, tolerance)) => = [detection_cost(found, corners, tolerance)]
@@ -514,6 +516,10 @@ BOOTSTRAP_INTERVAL = Exercise(
             You take the median of each resample. Take its mean.
         sums: .mean(axis=1) => .sum(axis=1)
             You take the sum of each resample. Divide it by the number of values to get the mean.
+        one mean of all: .mean(axis=1) => .mean()
+            You take one mean over all resamples together, so both ends are equal. Take the mean of each resample: .mean(axis=1).
+        means over the resamples: .mean(axis=1) => .mean(axis=0)
+            You average over the resamples, so nearly nothing of their variation is left. Take the mean of each resample: .mean(axis=1).
         smaller resamples: (2000, len(values)) => (2000, len(values) // 2)
             Your resamples have half as many values as the data, so their means vary too much. Draw len(values) values for each.
         always thirty: (2000, len(values)) => (2000, 30)
@@ -638,6 +644,8 @@ POSSIBLE_HITS = Exercise(
             You leave out 5 n_f + n_m = 0. It is possible that no report is false and no corner is missed.
         searched up to a limit: (others >= 0) => (others >= 0) & (others < 1000)
             Your search for 5 n_f + n_m ends too early: with many pictures it can be in the thousands. Compute it instead: it is close to n_pictures * mean_cost + 1.333 n_h.
+        searched up to 300: (others >= 0) => (others >= 0) & (others < 300)
+            Your search for 5 n_f + n_m ends too early. Compute it instead: it is close to n_pictures * mean_cost + 1.333 n_h.
         how many there are: return hits[(off <= 0.0005 + 1e-9) & (others >= 0)] => return sum((off <= 0.0005 + 1e-9) & (others >= 0))
             You return the number of possible values. Return the values themselves as an array.
         240 hits always: + most_hits = 240
