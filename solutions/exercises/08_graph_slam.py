@@ -128,6 +128,8 @@ ADD_INITIAL_POSITION = Exercise(
             omega[index] is a whole row, so you also change the entries of other variables. A start involves one variable only: add 1 to omega[index, index].
         the position in omega: omega[index, index] += 1 => omega[index, index] += position
             You add the position to Omega. Omega gets the weight, which is 1, and only xi gets the position.
+        all of xi: xi[index] += position => xi += position
+            In xi you add the position to every entry. Only the row of the variable changes: xi[index] += position.
         always the first: + index = 0
             You always change variable 0. The start belongs to the variable `index`.
         the weight in xi: xi[index] += position => xi[index] += 1
@@ -223,6 +225,18 @@ epsilon for 1/epsilon: 1 / epsilon => epsilon
     You take the root of epsilon. Equation 8.1 divides the square by the variance itself: the weight is 1 / epsilon.
 xi without its weight: weight * VALUE =>> VALUE
     In xi you forgot the weight: multiply the VALUE by 1 / epsilon, because both sides of the equation are multiplied by it.
+omega without its weight: omega[FIRST, FIRST] += weight => omega[FIRST, FIRST] += 1
+    omega[SECOND, SECOND] += weight => omega[SECOND, SECOND] += 1
+    omega[FIRST, SECOND] -= weight => omega[FIRST, SECOND] -= 1
+    omega[SECOND, FIRST] -= weight => omega[SECOND, FIRST] -= 1
+    In Omega you add 1 and -1 without the weight: add 1 / epsilon and -1 / epsilon.
+all of it divided: weight = 1 / epsilon => weight = 1.0
+    return omega, xi => return omega / epsilon, xi / epsilon
+    You divide all of Omega and xi by epsilon, and with them the entries of earlier constraints. Divide only what this constraint adds.
+the same equation twice: omega[FIRST, FIRST] += weight => omega[FIRST, FIRST] -= weight
+    omega[FIRST, SECOND] -= weight => omega[FIRST, SECOND] += weight
+    xi[FIRST] -= weight * VALUE => xi[FIRST] += weight * VALUE
+    You add the same equation to both rows. The row of FIRST gets it times -1: its diagonal entry is positive, too.
 root of the weight in xi: xi[FIRST] -= weight * VALUE => xi[FIRST] -= np.sqrt(weight) * VALUE
     xi[SECOND] += weight * VALUE => xi[SECOND] += np.sqrt(weight) * VALUE
     In xi your weight is 1 / sqrt(epsilon). If you divide a row by sqrt(epsilon), divide its VALUE by it, too. The product of both then has the weight 1 / epsilon.
@@ -417,6 +431,7 @@ def _solve_public() -> list[Case]:
         Case(_precise(np.random.default_rng(843)), "weights of 1e8, and five parts without a start"),
         Case(_in_parts(np.random.default_rng(844), 9), "two parts of nine, in mixed order"),
         Case(_held(np.random.default_rng(845)), "25 steps known to 0.1 mm, in metres, and a start"),
+        Case(_long(np.random.default_rng(846)), "40 steps of the odometry, in millimetres, and a start"),
     ]
 
 
@@ -456,6 +471,12 @@ def _held(rng: np.random.Generator, steps: int = 25, *, at_zero: bool = False) -
     return linked(steps + 1, links, {0: 40 * size})
 
 
+def _long(rng: np.random.Generator) -> Pair:
+    """Return a walk in millimetres that a start holds: its smallest eigenvalue is about 1e-9."""
+    links = [(i, i + 1, 300.0, float(variance)) for i, variance in enumerate(rng.uniform(5e5, 9e5, 40))]
+    return linked(41, links, {0: 100.0})
+
+
 def _coarse(rng: np.random.Generator) -> Pair:
     """Return a drive in millimetres."""
     return linked(8, a_drive(rng, 6, 2, (2e4, 4e5)), {0: float(rng.normal(0, 100))})
@@ -470,6 +491,7 @@ def _solve_hidden(rng: np.random.Generator) -> list[Case]:
         linked(8, a_drive(rng, 4, 3), {0: float(rng.normal(0, 2))}),
         linked(9, a_drive(rng, 6, 3, (5e-4, 1e-3)), {}),
         *(_coarse(rng) for _ in range(2)),
+        _long(rng),
         *(_fine(rng) for _ in range(2)),
         _in_parts(rng, 7, 4, mixed=False),
         linked(60, a_drive(rng, 50, 10), {}),
@@ -506,7 +528,13 @@ SOLVE = Exercise(
             +     pass
             You rely on NumPy's LinAlgError. Because of rounding, a singular matrix often has a pivot of 1e-16 instead of 0, so NumPy raises nothing and returns a meaningless x. Before you solve, compare the eigenvalues with a small fraction of the largest one.
         NumPy's solve alone: + return np.linalg.solve(omega, xi)
-            Your solutions are right. If the system is singular, NumPy names no variable, and rounding often hides the problem from it. Before you solve, look for eigenvalues of nearly 0, and raise a ValueError with the numbers of the variables that can be moved freely.
+            Your solutions are right. If the system is singular, NumPy names no variable, and rounding often hides the problem from it. Before you solve, look for eigenvalues of nearly 0, and raise a ValueError with the numbers of the variables that can be moved freely; to print them is not enough.
+        a returned error: raise ValueError => return ValueError
+            You return the ValueError. An error has to be raised: raise ValueError(...).
+        a condition number: + if np.linalg.cond(omega) > 1e8:
+            +     raise ValueError("the system is singular")
+            + return np.linalg.solve(omega, xi)
+            A large condition number shows that the system is nearly singular, but it names no variable. The eigenvectors with an eigenvalue of nearly 0 show which variables can be moved freely.
         a determinant: + if abs(np.linalg.det(omega)) < 1e-9:
             +     raise ValueError("the system is singular")
             + return np.linalg.solve(omega, xi)
@@ -536,6 +564,12 @@ SOLVE = Exercise(
             You look for positive entries only. A free direction may have either sign, so compare the absolute value of its entries.
         a fixed limit: values <= 1e-12 * values.max() => np.abs(values) <= 1e-12
             Your limit for an eigenvalue of 0 is a fixed number. With weights of 1e8, rounding errors alone are larger than it. Compare with a small fraction of the largest eigenvalue.
+        isclose: values <= 1e-12 * values.max() => np.isclose(values, 0)
+            np.isclose(values, 0) has a fixed limit of 1e-8. Rounding errors are larger than it if the weights are 1e8, and the eigenvalue of a long walk in millimetres is smaller, but not 0. Compare with a small fraction of the largest eigenvalue, such as 1e-12.
+        a small fixed limit: 1e-12 * values.max() => 1e-7
+            Your limit for an eigenvalue of 0 is a fixed number. The smallest eigenvalue of 40 steps in millimetres is 1e-9, although a start holds them. Compare with a small fraction of the largest eigenvalue, such as 1e-12.
+        entries that are not exactly 0: > 1e-6 => != 0
+            You name every variable whose entry in a free direction is not exactly 0. Rounding leaves about 1e-17 in the entries of held variables: compare with a number such as 1e-6.
         rows for columns: vectors[:, => vectors.T[:,
             You take rows of the matrix of eigenvectors. np.linalg.eigh returns the eigenvectors in its columns: vectors[:, number].
         less than a part of nothing: <= 1e-12 => < 1e-9
@@ -630,6 +664,11 @@ MARGINALIZE = Exercise(
     mistakes=catalogue("""
         only cut out: - share @ between.T, xi[keep] - share @ xi[removed] => , xi[keep]
             You delete rows and columns. This treats the removed variables as known to be 0, and their information about the others is lost. Subtract the second terms of equation 8.5.
+        cut out in the order of the numbers: + keep = sorted(keep)
+            - share @ between.T, xi[keep] - share @ xi[removed] => , xi[keep]
+            There are two errors. You delete rows and columns (as np.delete does), and with them the information about the others: subtract the second terms of equation 8.5. And `keep` gives the order of the result.
+        omega alone: , xi[keep] - share @ xi[removed] =>
+            You return the smaller omega only. Return the smaller xi, too.
         cut out of the inverse: + covariance = np.linalg.inv(omega)
             + return covariance[np.ix_(keep, keep)], (covariance @ xi)[keep]
             You return the covariance and the solution of the kept variables. Return the omega and the xi of the smaller system.
@@ -638,6 +677,8 @@ MARGINALIZE = Exercise(
         both blocks by pairs: between = omega[np.ix_(keep, removed)] => between = omega[keep, removed]
             omega[np.ix_(removed, removed)] => omega[removed, removed]
             omega[keep, removed] and omega[removed, removed] do not select blocks: NumPy pairs the two lists, number by number. Write omega[np.ix_(keep, removed)], and likewise for every other block.
+        rows, then rows again: between = omega[np.ix_(keep, removed)] => between = omega[keep][removed]
+            omega[keep][removed] selects rows, and then rows of the result. A block of rows and columns is omega[np.ix_(keep, removed)].
         kept block by pairs: omega[np.ix_(keep, keep)] => omega[keep, keep]
             omega[keep, keep] selects entries of the diagonal and not the block of the kept variables. The block is omega[np.ix_(keep, keep)].
         x of the removed variables: + removed = [number for number in range(len(xi)) if number not in keep]
@@ -905,6 +946,10 @@ SOLVE_SPARSE = Exercise(
             Your solutions are close but not exact. An iterative solver stops at a tolerance, and its default is coarse: set a smaller one, or use a direct solver.
         the default tolerance: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)[0]
             Your iterative solver stopped before x was exact: at its tolerance, which is too coarse by default, or after its largest number of iterations. Set both (cg: rtol=1e-12 and maxiter; lsqr: atol, btol and iter_lim), or use a direct solver such as splu.
+        lsqr: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.lsqr(omega, xi)[0]
+            lsqr stopped before x was exact: it squares the condition number, and its default tolerances are coarse. Use a direct solver such as splu.
+        a method: .solve(xi) => .solve
+            You return the method `solve` of the factor. Call it with xi.
         each variable alone: starts[part] < 0.5 => np.abs(omega @ np.ones(len(xi))) < 1e-9
             You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
         the solver's report, too: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)
