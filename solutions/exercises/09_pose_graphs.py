@@ -253,6 +253,10 @@ LANDMARK_RESIDUAL_JACOBIANS = Exercise(
             Your Jacobian by the landmark is R. The residual contains Rᵀ times the landmark, so it is Rᵀ.
         sign by the pose: [-c, -s, left], [s, -c, => [c, s, left], [-s, c,
             The columns of x and y have the wrong sign. If the robot moves towards the landmark, the expected distance ahead decreases.
+        R by the pose: [-c, -s, left], [s, -c, => [-c, s, left], [-s, -c,
+            The columns of x and y in your Jacobian by the pose are -R. They are -Rᵀ, the opposite of your Jacobian by the landmark.
+        a sign in both rows of theta: c * (lx - x) + s * (ly - y), -s * (lx - x) + c * (ly - y) => c * (lx - x) - s * (ly - y), -s * (lx - x) - c * (ly - y)
+            In both rows of your column of theta one of the two products has the wrong sign: the derivative of cos is -sin, and the derivative of sin is cos.
         theta forgotten: left], => 0],
             -ahead] => 0]
             Your column of theta is 0. If the robot turns, everything moves in its frame, so this column depends on the landmark.
@@ -718,7 +722,7 @@ LINEARIZE = Exercise(
             + return H, b
             You added a large number to the block of the first pose, as the constraint of lesson 08 did. linearize returns the sum over the edges and nothing else; gauss_newton will fix the first pose.
         residuals not as columns: residual(*pairs)[:, :, None] => residual(*pairs)
-            Which line is it? In the line of b, e is (E, 3), but @ needs columns: e[..., None] is (E, 3, 1). In a line with J.T, write J.mT, because .T reverses all three axes. In a line of the residuals, the second end of an edge to a landmark is a row of `landmarks`, not of `poses`.
+            Which line is it? In the line of b, e is (E, 3), but @ needs columns: e[..., None] is (E, 3, 1). In a line with J.T, write J.mT, because .T reverses all three axes. In a line of the residuals, the second end of an edge to a landmark is a row of `landmarks`, not of `poses`. The two Jacobians stand side by side along axis 2. np.bincount needs both arrays flat (.ravel()), and graph.size as its last argument.
         second ends of the first: ends[edges.second] => ends[edges.first]
             You take both ends of an edge from edges.first. The second end is ends[edges.second].
         b first: graph.add_blocks(*blocks), b => b, graph.add_blocks(*blocks)
@@ -859,6 +863,13 @@ GAUSS_NEWTON = Exercise(
         H once: H, b = linearize(graph, states) => _, b = linearize(graph, states)
             free = graph.elimination_order => free, (H, _) = graph.elimination_order, linearize(graph, states)
             You recompute b in each iteration, but H only once. Both depend on the states, so call linearize inside the loop.
+        NumPy's solve: splu(H[free][:, free], "NATURAL", **SYMMETRIC).solve(b[free]) => np.linalg.solve(H[free][:, free], b[free])
+            np.linalg.solve does not accept a sparse matrix. Use splu(...).solve(...), as in lesson 08.
+        all states moved: states[free] -= => states -=
+            The step has three numbers fewer than the states, because the first pose does not move. Add it to states[3:], or to states[free].
+        the last pose left: free = graph.elimination_order => free = np.arange(3, graph.size)
+            states[free] -= => states[:-3] -=
+            You add the step to all but the last three numbers. The first pose is fixed, so it belongs to states[3:].
         order forgotten: states[free] -= => states[3:] -=
             You solve for states[free] but add the step to states[3:], which has another order. A step that was solved with b[free] belongs to states[free].
         never uphill: H, b = linearize(graph, states) => H, b = linearize(graph, before := states.copy())
@@ -1034,6 +1045,9 @@ MARGINAL_COVARIANCES = Exercise(
             You return one matrix for all indices. Return a list with one block for each element of `indices`.
         first only: return blocks => return blocks[0]
             You return only the first block. Is there a return inside the loop?
+        NumPy's inverse: + P = np.linalg.inv(H)
+            + return [P[np.ix_(each, each)] for each in indices]
+            np.linalg.inv does not accept a sparse matrix, and the whole inverse would be too large. Solve for the columns that a block needs, with splu.
         dense inverse: + P = np.linalg.inv(H.toarray())
             + return [P[np.ix_(each, each)] for each in indices]
             You make H dense, which takes 650 MB for 3,000 poses. Keep H sparse, because you only need a few columns of its inverse.
@@ -1100,6 +1114,8 @@ REWEIGHT = Exercise(
         "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with other information matrices.",
     ),
     mistakes=catalogue("""
+        functions exchanged: pose_residual, landmark_residual) => landmark_residual, pose_residual)
+            You pass the two functions in the wrong order: squared_errors(states, pose_residual, landmark_residual).
         width not squared: width**2 => width
             You forgot to square the width: q is a squared error, so divide it by width^2.
         the kernel itself: 1 / (1 + squares / width**2) => width**2 * np.log1p(squares / width**2)
