@@ -679,6 +679,9 @@ MARGINALIZE = Exercise(
             omega[keep, removed] and omega[removed, removed] do not select blocks: NumPy pairs the two lists, number by number. Write omega[np.ix_(keep, removed)], and likewise for every other block.
         rows, then rows again: between = omega[np.ix_(keep, removed)] => between = omega[keep][removed]
             omega[keep][removed] selects rows, and then rows of the result. A block of rows and columns is omega[np.ix_(keep, removed)].
+        rows of rows in both blocks: between = omega[np.ix_(keep, removed)] => between = omega[keep][removed]
+            omega[np.ix_(removed, removed)] => omega[removed][removed]
+            omega[removed][removed] and omega[keep][removed] select rows twice and no columns. Write omega[np.ix_(removed, removed)], and likewise for the other blocks.
         kept block by pairs: omega[np.ix_(keep, keep)] => omega[keep, keep]
             omega[keep, keep] selects entries of the diagonal and not the block of the kept variables. The block is omega[np.ix_(keep, keep)].
         x of the removed variables: + removed = [number for number in range(len(xi)) if number not in keep]
