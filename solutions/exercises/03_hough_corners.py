@@ -99,6 +99,8 @@ LINE_PICTURE = Exercise(
             Green and yellow pixels become 255 as well. Only label 3 is white.
         labels multiplied: np.where(labels == 3, 255, 0) => (labels * 85)
             Green and yellow pixels become grey, because you multiply every label. Pixels that are not white must be 0.
+        labels times 255: np.where(labels == 3, 255, 0) => (labels * 255)
+            You multiply every label by 255. In uint8 the products overflow, so white becomes 253, and green and yellow do not become 0. Make a mask first: labels == 3.
         three channels: .astype(np.uint8) => .astype(np.uint8)[..., None].repeat(3, axis=2)
             Your picture has three numbers for each pixel. Return one, shape (H, W).
     """),
@@ -249,6 +251,48 @@ ERASE_BACKGROUND = Exercise(
             +     kept[: v - run + 1, u] = 0
             + return kept
             You do not set the count back to 0 at the top of each column, so a run can continue from the bottom of one column to the top of the next.
+        all green pixels of all columns: + kept, green = labels.copy(), 0
+            + for u in range(labels.shape[1]):
+            +     for v in range(len(labels)):
+            +         green += int(labels[v, u] == 1)
+            +         if green == run:
+            +             kept[: v - run + 1, u] = 0
+            +             break
+            +     else:
+            +         kept[:, u] = 0
+            + return kept
+            You set the count to 0 only once. It must start again at every pixel that is not green, and at the top of each column.
+        all green pixels of all columns, at least: + kept, green = labels.copy(), 0
+            + for u in range(labels.shape[1]):
+            +     for v in range(len(labels)):
+            +         green += int(labels[v, u] == 1)
+            +         if green >= run:
+            +             kept[: v - run + 1, u] = 0
+            +             break
+            +     else:
+            +         kept[:, u] = 0
+            + return kept
+            You set the count to 0 only once, so from some column on it is always large enough. It must start again at every pixel that is not green, and at the top of each column.
+        no end of the loop: + kept = labels.copy()
+            + for u in range(labels.shape[1]):
+            +     green, found = 0, False
+            +     for v in range(len(labels)):
+            +         green = green + 1 if labels[v, u] == 1 else 0
+            +         if green == run:
+            +             kept[: v - run + 1, u], found = 0, True
+            +     if not found:
+            +         kept[:, u] = 0
+            + return kept
+            You erase at every run of a column, so the last run decides. Stop at the first one, for example with break.
+        no end of the loop, and column left alone: + kept = labels.copy()
+            + for u in range(labels.shape[1]):
+            +     green = 0
+            +     for v in range(len(labels)):
+            +         green = green + 1 if labels[v, u] == 1 else 0
+            +         if green == run:
+            +             kept[: v - run + 1, u] = 0
+            + return kept
+            Your code has two errors. It erases at every run of a column, but must stop at the first one. And a column without a run keeps its labels, but must be erased.
         only runs that end: in range(run)]) => in range(run)])
             + begins &= ~np.logical_and.accumulate(green[:height][::-1])[::-1]
             You test the count only at a pixel that is not green, so you miss a run that reaches the last row. Test it at each green pixel, or once more after the last row.
@@ -1152,6 +1196,7 @@ def _merge_public() -> list[Case]:
         ),
         Case((_several(level, (10, 26, 28, 26), (33, 26, 50, 26)), 20.0), "one edge in two segments"),
         Case((_several(level, (40, 14, 22, 14)), 20.0), "a shorter second edge in the other direction"),
+        Case((_several(level, (40, 26, 0, 26)), 20.0), "the second edge in the other direction, to the left"),
         Case((_several(level, (20, 26, 60, 26), (5, 34, 45, 34)), 20.0), "three parallel segments"),
         Case((_several((10, 20, 90, 20), (30, 24, 60, 24)), 20.0), "a long and a short edge"),
         Case((_several((20, 20, 60, 20), (10, 26, 80, 26)), 20.0), "a short and a long edge"),
@@ -1242,6 +1287,10 @@ MERGE_EDGES = Exercise(
             min(0, along.min()) => min(0, along[0])
             max(length, along.max()) => max(length, along[1])
             You take the first point of the second segment as its start along the line. The segment may run the other way: use the smaller and the larger of its two values along.
+        start not sorted: min(0, along.min()) => min(0, along[0])
+            Your line begins too late. A second segment that runs the other way ends where its smaller value along is: extend the first segment to the smaller of both values.
+        end not sorted: max(length, along.max()) => max(length, along[1])
+            Your line ends too early. A second segment that runs the other way begins where its larger value along is: extend the first segment to the larger of both values.
         as long as the second: min(0, along.min()) => along.min()
             max(length, along.max()) => along.max()
             Your line is as long as the second segment. It must extend from the first end of the two to the last.
@@ -1284,6 +1333,9 @@ MERGE_EDGES = Exercise(
             If there is no centre line, np.array([]) has shape (0,). Use .reshape(-1, 4) to get (0, 4).
         absolute values averaged: 1 <= abs(across.mean()) => 1 <= abs(across).mean()
             You average the distances of both ends without their signs. Average them with their signs first, and take the absolute value last.
+        absolute values averaged, also for the position: 1 <= abs(across.mean()) => 1 <= abs(across).mean()
+            across.mean() / 2 => abs(across).mean() / 2
+            You average the distances of both ends without their signs, so your line is always on the same side of the first segment. Average them with their signs, and take the absolute value only to compare it with 1 and max_width.
         each segment in one pair: + used = set()
             for q in ends[i + 1 :]: => for j, q in enumerate(ends[i + 1 :], i + 1):
             if parallel and => if not used & {i, j} and parallel and

@@ -5,7 +5,7 @@ from nao_course._internal.lazy_names import import_when_asked
 __all__, __getattr__, __dir__ = import_when_asked(
     __name__,
     {
-        "figures": ("draw_close_up", "draw_places", "draw_segments"),
+        "figures": ("draw_close_up", "draw_places", "draw_segments", "draw_votes"),
         "labels": ("or_recorded",),
         "measuring": ("all_crossings", "count_corners", "with_others"),
         "panel": ("CornerPanel",),

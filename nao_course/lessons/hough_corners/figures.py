@@ -1,4 +1,4 @@
-"""Figures of lesson 03: segments and corners in pictures, and a close-up of one line with its edges."""
+"""Figures of lesson 03: segments and corners in pictures, votes for lines, and a close-up of one line."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
+from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
@@ -23,6 +24,7 @@ from nao_course.plotting.style import FOUND, HALO
 # The colours are used in turn, so that neighbouring segments differ; black is for the truth.
 SEGMENTS = ("#0072b2", "#d55e00", "#7a2cff")
 _NONE: tuple[()] = ()
+PART = (60, 36)  # width and height of a close-up, px
 
 Finder = Callable[[Any], Any]
 
@@ -159,11 +161,64 @@ def plot_segments(segments: npt.ArrayLike, ax: Axes, width: float = 1.8) -> int:
 
 
 @course_style()
+def draw_votes(line_picture: npt.ArrayLike, around: tuple[float, float]) -> Drawing:
+    """Draw the edge pixels of a part of a line picture, and their votes for lines by angle and distance.
+
+    Parameters
+    ----------
+    line_picture : array_like of uint8, shape (H, W)
+        Lines 255, all else 0.
+    around : (float, float)
+        Centre of the part, (u, v) px. The two lines with the most votes have rings.
+
+    Returns
+    -------
+    Drawing
+        The figure; its text has the votes, angles and distances of these two lines.
+    """
+    figure = Figure(figsize=(9.9, 3.8), layout="constrained")
+    ax, plane = figure.subplots(1, 2)
+    ax.set_anchor("N")
+    edges, left, top = _plot_part(line_picture, around, ax, "edge pixels", edges=True)
+    at = np.argwhere(edges)[:, ::-1] + (left, top) - around
+    angles, far = np.radians(np.arange(180)), round(np.hypot(*edges.shape) / 2) + 1
+    normals = np.array([np.cos(angles), np.sin(angles)])
+    rows = np.rint(at @ normals).astype(int) + far
+    votes = np.array([np.bincount(each, minlength=2 * far + 1) for each in rows.T]).T
+    others = votes.copy()
+    best = np.unravel_index(votes.argmax(), votes.shape)
+    others[max(0, best[0] - 4) : best[0] + 5] = 0
+    rings = [
+        (int(angle), int(row) - far) for row, angle in (best, np.unravel_index(others.argmax(), votes.shape))
+    ]
+    image = plane.imshow(
+        votes, cmap="Greys", norm=PowerNorm(0.5), aspect="auto", extent=(-0.5, 179.5, far + 0.5, -far - 0.5)
+    )
+    figure.colorbar(image, ax=plane, label="votes")
+    line = at[rows[:, best[1]] == best[0]]
+    for point, colour in zip(line[np.linspace(0, len(line) - 1, 5).astype(int)[1:4]], SEGMENTS, strict=False):
+        plane.plot(np.arange(180), point @ normals, color=colour, lw=1.6)
+        ax.plot(*(point + around), "o", color=colour, ms=8)
+        for tilt in angles[::18]:
+            ax.axline(point + around, point + around + (np.cos(tilt), np.sin(tilt)), color=colour, lw=0.8)
+    plot_found(rings, plane, size=13)
+    plane.set(xlabel="angle of the line's normal (degrees)", ylabel="distance from the centre (px)")
+    counts = [int(votes[distance + far, angle]) for angle, distance in rings]
+    plane.set_title(f"votes: {counts[0]} and {counts[1]} in the rings", fontsize=11)
+    lines = " and ".join(
+        f"{n} at {angle} degrees and {distance} px"
+        for n, (angle, distance) in zip(counts, rings, strict=True)
+    )
+    return Drawing(
+        figure,
+        f"Edge pixels around one line, and their votes by angle and distance. The most votes are {lines}. "
+        "The curves of three pixels on one edge cross there.",
+    )
+
+
+@course_style()
 def draw_close_up(
-    line_picture: npt.ArrayLike,
-    segments: npt.ArrayLike,
-    around: tuple[float, float],
-    size: tuple[int, int] = (60, 36),
+    line_picture: npt.ArrayLike, segments: npt.ArrayLike, around: tuple[float, float]
 ) -> Drawing:
     """Draw a part of a line picture pixel by pixel, and beside it Canny's edges with the segments along them.
 
@@ -175,39 +230,39 @@ def draw_close_up(
         (u1, v1, u2, v2) of each, pixels.
     around : (float, float)
         Centre of the part, (u, v) px.
-    size : (int, int)
-        Width and height of the part, pixels.
 
     Returns
     -------
     Drawing
         The figure; its text counts white pixels, edge pixels and segments.
     """
-    white = np.asarray(line_picture, dtype=np.uint8)
-    edges = cv2.Canny(white, 50, 150)
-    left, top = (round(centre - length / 2) for centre, length in zip(around, size, strict=True))
-    part = (slice(top, top + size[1]), slice(left, left + size[0]))
     lines = as_points(segments, columns=4, name="segments (u1, v1, u2, v2)")
     figure = Figure(figsize=(9.9, 3.8))
-    axes = figure.subplots(1, 2)
-    titles = ("white pixels", "edge pixels (white) and your segments (coloured)")
-    for ax, picture, title in zip(axes, (white, edges), titles, strict=True):
-        ax.imshow(picture, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
-        ax.set(
-            xlim=(left - 0.5, left + size[0] - 0.5),
-            ylim=(top + size[1] - 0.5, top - 0.5),
-            xlabel="u (px)",
-            ylabel="v (px)",
-        )
-        ax.set_title(title, fontsize=11)
-    passing = lines[[bool(cv2.clipLine((left, top, *size), *_ends(line))[0]) for line in lines]]
-    plot_segments(passing, axes[1], width=2.2)
+    left_axes, right_axes = figure.subplots(1, 2)
+    white, *corner = _plot_part(line_picture, around, left_axes, "white pixels")
+    edges, *_ = _plot_part(line_picture, around, right_axes, "your segments on the edge pixels", edges=True)
+    passing = lines[[bool(cv2.clipLine((*corner, *PART), *_ends(line))[0]) for line in lines]]
+    plot_segments(passing, right_axes, width=2.2)
     _add_legend(figure, rings=False, crosses=False)
     return Drawing(
         figure,
-        f"Close-up of {size[0]} x {size[1]} pixels: {int((white[part] > 0).sum())} white pixels, "
-        f"{int((edges[part] > 0).sum())} edge pixels, {say_count(len(passing), 'segment')} along the edges.",
+        f"Close-up of {PART[0]} x {PART[1]} pixels: {np.count_nonzero(white)} white pixels, "
+        f"{np.count_nonzero(edges)} edge pixels, {say_count(len(passing), 'segment')} along the edges.",
     )
+
+
+def _plot_part(
+    line_picture: npt.ArrayLike, around: tuple[float, float], ax: Axes, title: str, *, edges: bool = False
+) -> tuple[npt.NDArray[Any], int, int]:
+    """Plot a part of a line picture, or its edges; return the part and its first column and row."""
+    white = np.asarray(line_picture, dtype=np.uint8)
+    left, top = (max(0, round(centre - length / 2)) for centre, length in zip(around, PART, strict=True))
+    part = (cv2.Canny(white, 50, 150) if edges else white)[top : top + PART[1], left : left + PART[0]]
+    extent = (left - 0.5, left + part.shape[1] - 0.5, top + part.shape[0] - 0.5, top - 0.5)
+    ax.imshow(part, cmap="gray", vmin=0, vmax=255, interpolation="nearest", extent=extent)
+    ax.set(xlabel="u (px)", ylabel="v (px)")
+    ax.set_title(title, fontsize=11)
+    return part, left, top
 
 
 def _ends(segment: FloatArray) -> tuple[tuple[int, int], tuple[int, int]]:

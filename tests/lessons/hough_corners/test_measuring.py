@@ -6,7 +6,7 @@ import pytest
 from nao_course.geometry import Pose
 from nao_course.lessons.hough_corners import measuring
 from nao_course.lessons.hough_corners.challenge import CHALLENGE, PICTURES, judge
-from nao_course.lessons.hough_corners.figures import draw_close_up, draw_segments
+from nao_course.lessons.hough_corners.figures import draw_close_up, draw_segments, draw_votes
 from nao_course.lessons.hough_corners.scenes import CornerPicture
 from nao_course.metrics import CornerTruth
 from nao_course.sim import Truth
@@ -112,8 +112,9 @@ def test_segments_and_corners_are_counted_also_in_a_close_up_and_missing_segment
     lines = np.zeros((48, 64), dtype=np.uint8)
     lines[20:26, 10:60] = 255
     segments = [(10, 20, 59, 20), (10, 25, 59, 25), (0, 45, 8, 45)]
-    drawn = draw_close_up(lines, segments, (30, 23), (20, 12))
-    assert "120 white pixels, 40 edge pixels, 2 segments along the edges" in drawn.alt
+    drawn = draw_close_up(lines, segments, (30, 23))
+    assert "300 white pixels, 108 edge pixels, 2 segments along the edges" in drawn.alt
+    assert "The most votes are 50 at 89 degrees and 2 px and 49 at 91" in draw_votes(lines, (30, 23)).alt
 
 
 def test_what_is_marked_is_a_corner_of_the_lines_and_a_picture_without_corners_has_none():
