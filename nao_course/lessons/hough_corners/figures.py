@@ -185,12 +185,10 @@ def draw_votes(line_picture: npt.ArrayLike, around: tuple[float, float]) -> Draw
     normals = np.array([np.cos(angles), np.sin(angles)])
     rows = np.rint(at @ normals).astype(int) + far
     votes = np.array([np.bincount(each, minlength=2 * far + 1) for each in rows.T]).T
-    others = votes.copy()
     best = np.unravel_index(votes.argmax(), votes.shape)
-    others[max(0, best[0] - 4) : best[0] + 5] = 0
-    rings = [
-        (int(angle), int(row) - far) for row, angle in (best, np.unravel_index(others.argmax(), votes.shape))
-    ]
+    others = np.where(abs(np.arange(2 * far + 1) - best[0])[:, None] > 4, votes, 0)
+    seconds = np.unravel_index(others.argmax(), votes.shape)
+    rings = [(int(angle), int(row) - far) for row, angle in (best, seconds)]
     image = plane.imshow(
         votes, cmap="Greys", norm=PowerNorm(0.5), aspect="auto", extent=(-0.5, 179.5, far + 0.5, -far - 0.5)
     )
@@ -205,14 +203,13 @@ def draw_votes(line_picture: npt.ArrayLike, around: tuple[float, float]) -> Draw
     plane.set(xlabel="angle of the line's normal (degrees)", ylabel="distance from the centre (px)")
     counts = [int(votes[distance + far, angle]) for angle, distance in rings]
     plane.set_title(f"votes: {counts[0]} and {counts[1]} in the rings", fontsize=11)
-    lines = " and ".join(
-        f"{n} at {angle} degrees and {distance} px"
-        for n, (angle, distance) in zip(counts, rings, strict=True)
-    )
+    said = [
+        f"{count} at {ring[0]} degrees and {ring[1]} px" for count, ring in zip(counts, rings, strict=True)
+    ]
     return Drawing(
         figure,
-        f"Edge pixels around one line, and their votes by angle and distance. The most votes are {lines}. "
-        "The curves of three pixels on one edge cross there.",
+        f"Edge pixels around one line, and their votes by angle and distance. The most votes are {' and '.join(said)}. "
+        "The curves of three pixels of one edge cross at the first.",
     )
 
 
@@ -260,7 +257,7 @@ def _plot_part(
     part = (cv2.Canny(white, 50, 150) if edges else white)[top : top + PART[1], left : left + PART[0]]
     extent = (left - 0.5, left + part.shape[1] - 0.5, top + part.shape[0] - 0.5, top - 0.5)
     ax.imshow(part, cmap="gray", vmin=0, vmax=255, interpolation="nearest", extent=extent)
-    ax.set(xlabel="u (px)", ylabel="v (px)")
+    ax.set(xlabel="u (px)", ylabel="v (px)", autoscale_on=False)
     ax.set_title(title, fontsize=11)
     return part, left, top
 

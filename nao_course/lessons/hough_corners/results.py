@@ -176,28 +176,22 @@ def draw_goal_line(
     figure = Figure(figsize=(7.6, 3.8))
     ax = figure.add_subplot()
     for (run, parts), source in zip(left.items(), ("ekf", "graph", "odometry"), strict=False):
-        style = style_of(source)
+        style, half = style_of(source), last_seen(distances, parts)
+        name = f"run of {run}: measured" if run else "without erasing"
+        marks: dict[str, Any] = {
+            "marker": style.marker,
+            "color": style.colour,
+            "ms": 6,
+            "ls": "-" if run else "--",
+        }
+        ax.plot(distances, parts, label=name, **marks)
         if not run:
-            ax.plot(
-                distances,
-                parts,
-                marker=style.marker,
-                color=style.colour,
-                ms=6,
-                ls="--",
-                label="without erasing",
-            )
-            words.append(f"without erasing: {last_seen(distances, parts):.1f} m")
+            words.append(f"without erasing: {half:.1f} m")
             continue
         end = float(far[rows_between(far, behind) < run][0])
         ax.axvline(end, color=style.colour, ls=":", lw=1.8)
-        ax.plot(
-            distances, parts, marker=style.marker, color=style.colour, ms=6, label=f"run of {run}: measured"
-        )
         ax.annotate(f" equation 3.2:\n {end:.1f} m", (end, 1.1), fontsize=9, color=style.colour)
-        words.append(
-            f"run of {run}: {last_seen(distances, parts):.1f} m measured, {end:.1f} m by equation 3.2"
-        )
+        words.append(f"run of {run}: {half:.1f} m measured, {end:.1f} m by equation 3.2")
     ax.set(
         xlabel="distance of the goal line (m)",
         ylabel="fraction of its columns that survives",
