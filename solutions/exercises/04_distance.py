@@ -209,6 +209,8 @@ DISTANCE = Exercise(
             Your columns are half a pixel off. Use x = u + 1/2.
         rows half a pixel off: height - 0.5 => height - 1
             Your rows are half a pixel off. The centre of row v is half a pixel below its upper edge, so y = height - 1/2 - v.
+        rows half a pixel too high: height - 0.5 => height
+            Your rows are half a pixel off. y counts from the lower edge of the picture to the centre of row v, so y = height - 1/2 - v and not height - v.
         y is v: height - 0.5 - pixels[:, 1] => pixels[:, 1]
             You use v as the paper's y. v counts from the upper edge of the picture, but y from the lower edge: y = height - 1/2 - v, with the height in pixels.
         pi / 2 plus the pitch: np.pi / 2 - view.pitch => np.pi / 2 + view.pitch
@@ -715,7 +717,7 @@ def _pitch_public() -> list[Case]:
     cases = {
         "a camera that points lower than assumed": _calibration(rng, plain, 6, 0.06),
         "a camera that points higher than assumed": _calibration(rng, plain, 6, -0.05),
-        "a single point": _calibration(rng, plain, 1, 0.03),
+        "a single point": _calibration(rng, plain, 1, 0.0335),
         "turned, tilted and beside the robot's centre, with a lens": _calibration(rng, everything, 8, 0.08),
         "points above the assumed horizon": _calibration(rng, view_of(14.0), 12, 0.16),
         "a camera that points much higher than assumed": _calibration(rng, view_of(20.0), 8, -0.17),
@@ -800,6 +802,27 @@ PITCH = Exercise(
             Your offset is always 0. Does your search end at its start?
         whole degrees: return float(least_squares(misses, [0.0]).x[0]) => return float(np.radians(np.round(np.degrees(least_squares(misses, [0.0]).x[0]))))
             Your offset is a whole number of degrees. Search in smaller steps, because it must be accurate to 0.1 degrees.
+        half degrees: return float(least_squares(misses, [0.0]).x[0]) => return float(np.radians(np.round(2 * np.degrees(least_squares(misses, [0.0]).x[0])) / 2))
+            Your offset is a multiple of half a degree. Search in steps of 0.1 degrees or less, or search again around the best one.
+        hundredths of a radian: return float(least_squares(misses, [0.0]).x[0]) => return float(np.round(least_squares(misses, [0.0]).x[0], 2))
+            Your offset is a multiple of 0.01 rad, which is 0.6 degrees. It must be accurate to 0.1 degrees, so search in smaller steps.
+        angles below the horizon, without the offset: + right, below = ((view.undistort(pixels) - view.centre) / view.focal).T
+            + rays = np.column_stack([np.ones(len(right)), -right, -below]) @ view.rotation.T
+            + seen = np.arctan2(-rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]))
+            + return np.mean(np.arctan2(view.height, np.hypot(*ground_points.T)) - seen)
+            You compare angles below the horizon, and compute them without view.offset. They also change by less than the whole offset to the sides of the camera. Use view.project.
+        mean without NaN, from the robot: + below = [np.arctan2(view.height, np.hypot(*(each).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
+            + return float(np.nanmean(below[0] - below[1]))
+            You compare the angles of ranges below the horizon, but from the robot's origin: the camera is at view.offset. Even with it, these angles change by less than the whole offset to the sides. Use view.project.
+        median without NaN, from the robot: + below = [np.arctan2(view.height, np.hypot(*(each).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
+            + return float(np.nanmedian(below[0] - below[1]))
+            You take the median of the angles of ranges, but from the robot's origin: the camera is at view.offset. Even with it, these angles change by less than the whole offset to the sides. Use view.project.
+        mean with NaN, from the robot: + below = [np.arctan2(view.height, np.hypot(*(each).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
+            + return float(np.mean(below[0] - below[1]))
+            Your mean is NaN as soon as a pixel is above the assumed horizon. You also measure from the robot's origin, but the camera is at view.offset, and to its sides the angle changes by less than the whole offset. Use view.project.
+        mean with NaN, from the camera: + below = [np.arctan2(view.height, np.hypot(*(each - view.offset).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
+            + return float(np.mean(below[0] - below[1]))
+            Your mean is NaN as soon as a pixel is above the assumed horizon. Angles below the horizon also change by less than the whole offset to the sides of the camera. Use view.project.
         angles below the horizon, where there are any: + below = [np.arctan2(view.height, np.hypot(*(each - view.offset).T)) for each in (ground_points, pixel_to_ground(pixels, view))]
             + return float(np.nanmean(below[0] - below[1]))
             You compare angles below the horizon and leave out pixels above it. These angles change by the whole offset only straight ahead of the camera, and by less to the sides. Use view.project.

@@ -15,6 +15,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
             "draw_pixel_worth",
             "draw_shared_tilt",
             "draw_tilt_band",
+            "pixel_worth",
             "tilt_errors",
             "typical_error",
         ),

@@ -56,10 +56,7 @@ def draw_tilt_band(
     ax.plot(away, sizes, color=STYLES["odometry"].colour, lw=2, ls="--")
     ax.axhline(0, color=TRUTH, lw=0.8)
     ax.set(
-        xlabel="true distance (m)",
-        ylabel="error of the distance (m)",
-        xlim=(away[0], away[-1]),
-        ylim=(-2.0, 3.0),
+        xlabel="true distance (m)", ylabel="error of the distance (m)", xlim=(away[0], away[-1]), ylim=(-2, 3)
     )
     ax.grid(color="#e3e5e8")
     keys = [
@@ -69,9 +66,7 @@ def draw_tilt_band(
         Patch(facecolor=PAPER, alpha=0.25, label="the paper: 10 to 30 cm"),
     ]
     legend_below(figure, keys, columns=2)
-    said = ", ".join(
-        f"{typical_error(away, errors, at):.2f} m at {at:g} m" for at in (1.0, 2.0, 3.0, 4.0, 5.0)
-    )
+    said = ", ".join(f"{typical_error(away, errors, at):.2f} m at {at} m" for at in range(1, 6))
     return Drawing(
         figure, f"Distances with a tilt of up to {degrees:g} degrees. Median absolute error: {said}."
     )
@@ -237,16 +232,12 @@ def draw_shared_tilt(
     Drawing
         The figure; its text has the correlation of the ranges.
     """
-    view = usual_view()
-    places = three_landmarks()
-    rng = np.random.default_rng(6)
-    tilts = tilt_sigma * rng.standard_normal(pictures)
-    errors = pixel_sigma * rng.standard_normal((pictures, len(places), 2))
-    measured = tilted_measurements(pixel_to_ground, ground_to_measurement, view, places, tilts, errors)
-    missed = measured[..., 1] - np.linalg.norm(places, axis=1)
-    full = np.asarray(
-        measurement_covariance(view.project(places), view, pixel_sigma, tilt_sigma), dtype=float
+    places, tilts, measured = _in_pictures(
+        pixel_to_ground, ground_to_measurement, pixel_sigma, tilt_sigma, pictures
     )
+    missed = measured[..., 1] - np.linalg.norm(places, axis=1)
+    view = usual_view()
+    full = np.asarray(measurement_covariance(view.project(places), view, pixel_sigma, tilt_sigma))
     deviations = np.sqrt(np.diag(full))
     correlation = full / np.outer(deviations, deviations)
     figure = Figure(figsize=(9.9, 4.5))
@@ -301,15 +292,13 @@ def draw_landmark_clouds(
     Drawing
         The figure; its text has the share of the points in each ellipse.
     """
-    view, places, rng = usual_view(), three_landmarks(), np.random.default_rng(6)
-    tilts = tilt_sigma * rng.standard_normal(pictures)
-    errors = pixel_sigma * rng.standard_normal((pictures, len(places), 2))
-    measured = tilted_measurements(pixel_to_ground, ground_to_measurement, view, places, tilts, errors)
+    places, _, measured = _in_pictures(
+        pixel_to_ground, ground_to_measurement, pixel_sigma, tilt_sigma, pictures
+    )
+    view = usual_view()
     points = measured[..., 1:] * np.stack([np.cos(measured[..., 0]), np.sin(measured[..., 0])], axis=-1)
     true = np.column_stack([np.arctan2(places[:, 1], places[:, 0]), np.linalg.norm(places, axis=1)])
-    full = np.asarray(
-        measurement_covariance(view.project(places), view, pixel_sigma, tilt_sigma), dtype=float
-    )
+    full = np.asarray(measurement_covariance(view.project(places), view, pixel_sigma, tilt_sigma))
     figure = Figure(figsize=(9.6, 3.9))
     shares = []
     for i, (ax, (bearing, away)) in enumerate(zip(figure.subplots(1, 3), true, strict=True)):
@@ -343,19 +332,22 @@ def three_landmarks() -> FloatArray:
     return np.array([1.0, 2.0, 3.0])[:, None] * np.column_stack([np.cos(bearing), np.sin(bearing)])
 
 
+def _in_pictures(
+    to_ground: Function, to_measurement: Function, pixel_sigma: float, tilt_sigma: float, pictures: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the three landmarks, the tilt of each picture, and their measurements in it (pictures, 3, 2)."""
+    places, rng = three_landmarks(), np.random.default_rng(6)
+    tilts = tilt_sigma * rng.standard_normal(pictures)
+    errors = pixel_sigma * rng.standard_normal((pictures, len(places), 2))
+    return places, tilts, tilted_measurements(to_ground, to_measurement, usual_view(), places, tilts, errors)
+
+
 def _plot_correlation(ax: Axes, matrix: FloatArray, names: Sequence[str]) -> None:
     ax.imshow(matrix, cmap="RdBu_r", vmin=-1, vmax=1)
     for i, row in enumerate(matrix):
         for j, value in enumerate(row):
-            ax.text(
-                j,
-                i,
-                f"{value:.2f}".replace("-0.00", "0.00"),
-                ha="center",
-                va="center",
-                fontsize=9,
-                color="white" if abs(value) > 0.6 else TRUTH,
-            )
+            shown, colour = f"{value:.2f}".replace("-0.00", "0.00"), "white" if abs(value) > 0.6 else TRUTH
+            ax.text(j, i, shown, ha="center", va="center", fontsize=9, color=colour)
     ax.set(xticks=range(len(names)), yticks=range(len(names)))
     ax.set_xticklabels(names, rotation=40, ha="right", fontsize=9)
     ax.set_yticklabels(names, fontsize=9)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from nao_course._internal.counts import say_count
 from nao_course.geometry import as_points
 from nao_course.sim import SimulatedNao
 from nao_course.widgets.attempts import StudentCode
@@ -17,18 +16,24 @@ def _put_on_map(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     """Turn the pixels that the stages before have found into points of the robot frame."""
 
     def look(frame: Frame) -> Overlay:
-        found = [as_points(frame.results[name]) for name in FOUND_BEFORE if name in frame.results]
-        pixels = np.vstack([np.zeros((0, 2)), *found])
-        points = as_points(student.pixel_to_ground(pixels, frame.picture.view), name="points on the ground")
-        if len(points) != len(pixels):
-            raise ValueError(f"{len(pixels)} pixels need as many points on the ground, got {len(points)}")
-        below = points[np.isfinite(points).all(axis=1)]
-        if not found:
+        points, said = [np.zeros((0, 2))], []
+        for name in FOUND_BEFORE:
+            if name in frame.results:
+                pixels = as_points(frame.results[name])
+                ground = as_points(
+                    student.pixel_to_ground(pixels, frame.picture.view), name="points on the ground"
+                )
+                if len(ground) != len(pixels):
+                    raise ValueError(
+                        f"{len(pixels)} pixels need as many points on the ground, got {len(ground)}"
+                    )
+                points.append(ground[np.isfinite(ground).all(axis=1)])
+                ranges = ", ".join(f"{away:.1f} m" for away in np.hypot(*points[-1].T))
+                said.append(f"{name}: {ranges or 'none'}")
+        below = np.vstack(points)
+        if not said:
             return Overlay(below, text="no posts and no corners to put on it: lessons 02 and 03 find them")
-        ranges = ", ".join(f"{away:.1f} m" for away in np.hypot(*below.T))
-        return Overlay(
-            below, points=below, text=say_count(len(below), "point") + (f": {ranges}" if ranges else "")
-        )
+        return Overlay(below, points=below, text="; ".join(said))
 
     return look
 
