@@ -16,23 +16,18 @@ def _put_on_map(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     """Turn the pixels that the stages before have found into points of the robot frame."""
 
     def look(frame: Frame) -> Overlay:
-        points, said = [np.zeros((0, 2))], []
-        for name in FOUND_BEFORE:
-            if name in frame.results:
-                pixels = as_points(frame.results[name])
-                ground = as_points(
-                    student.pixel_to_ground(pixels, frame.picture.view), name="points on the ground"
-                )
-                if len(ground) != len(pixels):
-                    raise ValueError(
-                        f"{len(pixels)} pixels need as many points on the ground, got {len(ground)}"
-                    )
-                points.append(ground[np.isfinite(ground).all(axis=1)])
-                ranges = ", ".join(f"{away:.1f} m" for away in np.hypot(*points[-1].T))
-                said.append(f"{name}: {ranges or 'none'}")
-        below = np.vstack(points)
-        if not said:
-            return Overlay(below, text="no posts and no corners to put on it: lessons 02 and 03 find them")
+        found = {name: as_points(frame.results[name]) for name in FOUND_BEFORE if name in frame.results}
+        pixels = np.vstack([np.zeros((0, 2)), *found.values()])
+        points = as_points(student.pixel_to_ground(pixels, frame.picture.view), name="points on the ground")
+        if len(points) != len(pixels):
+            raise ValueError(f"{len(pixels)} pixels need as many points on the ground, got {len(points)}")
+        if not found:
+            return Overlay(points, text="no posts and no corners to put on it: lessons 02 and 03 find them")
+        said, ends = [], np.cumsum([len(each) for each in found.values()])
+        for name, part in zip(found, np.split(points, ends[:-1]), strict=True):
+            ranges = [f"{away:.1f} m" for away in np.hypot(*part.T) if np.isfinite(away)]
+            said.append(f"{name}: {', '.join(ranges) or 'none'}")
+        below = points[np.isfinite(points).all(axis=1)]
         return Overlay(below, points=below, text="; ".join(said))
 
     return look
