@@ -487,6 +487,16 @@ JOINT_DISTANCE = Exercise(
             You divide by the number of pairs. Equation 11.3 has no mean: it sums over all pairs.
         columns of the pose: slice(3 + 2 * indices[i], 5 + 2 * indices[i]) => slice(2 * indices[i], 2 + 2 * indices[i])
             You take landmark j from the places 2 j and 2 j + 1, but the state begins with the three numbers of the pose. Landmark j is at 3 + 2 j and 4 + 2 j.
+        columns of the pose in H: H[rows, columns] => H[rows, 2 * indices[i] : 2 + 2 * indices[i]]
+            You write the landmark's Jacobian into the columns 2 j and 2 j + 1 of H, but its first three columns belong to the pose. Landmark j has the columns 3 + 2 j and 4 + 2 j.
+        places of the pose: state[columns] =>> state[2 * indices[i] : 2 + 2 * indices[i]]
+            You read landmark j from the places 2 j and 2 j + 1 of the state, which begins with the three numbers of the pose. Landmark j is at 3 + 2 j and 4 + 2 j.
+        a number for two: slice(3 + 2 * indices[i], 5 + 2 * indices[i]) => slice(3 + indices[i], 5 + indices[i])
+            You take landmark j from the places 3 + j and 4 + j, but every landmark has two numbers. Landmark j is at 3 + 2 j and 4 + 2 j.
+        columns of the pose by the pair: slice(3 + 2 * indices[i], 5 + 2 * indices[i]) => slice(2 * n, 2 + 2 * n)
+            Two things are wrong. You count the landmarks by their pairs, but the landmark of measurement i is j = indices[i]. And the state begins with the three numbers of the pose, so landmark j is at 3 + 2 j and 4 + 2 j.
+        landmarks in turn: slice(3 + 2 * indices[i], 5 + 2 * indices[i]) => slice(3 + 2 * n, 5 + 2 * n)
+            You take the landmarks in the order of the pairs. The landmark of measurement i is j = indices[i], at 3 + 2 j and 4 + 2 j.
         measured range first: [seen.bearing, seen.range] - => [seen.range, seen.bearing] -
             You subtract (bearing, range) from (range, bearing). expected_measurement returns the bearing first.
         columns in turn: H[rows, columns] => H[rows, 3 + 2 * n : 5 + 2 * n]
@@ -1029,7 +1039,7 @@ EKF_SLAM = Exercise(
         an infinite sigma used: if np.isfinite(sigma): => if sigma > 0:
             Your use_compass stores a heading although sigma is infinite. Then the picture shows no usable lines, and self.heading must be None.
         wrapped to half a turn: wrap_quarter( => warp2pi(
-            You wrap the compass's innovation to half a turn. The lines look the same every 90 degrees, so use wrap_quarter.
+            Your compass's innovation can be up to half a turn. The lines look the same every 90 degrees, so wrap it with wrap_quarter.
         the heading alone: K = self.covariance[:, 2] / => K = (np.arange(len(self.state)) == 2) * self.covariance[:, 2] /
             Your compass corrects the heading only. The gain is a whole column of P, because all errors that are correlated with the heading are corrected too.
         the state's heading alone: self.state + K * nu => self.state + (np.arange(len(self.state)) == 2) * K * nu
