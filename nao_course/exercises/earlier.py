@@ -244,10 +244,13 @@ class Calls:
             self.answered[use] = str(reason)
             return answered.answer
         parameters = self.parameters(use)
+        signature = f"{split_use(use)[1]}({', '.join(parameters)})"
         if parameters and (len(args) > len(parameters) or not set(kwargs) <= set(parameters)):
-            raise TypeError(
-                f"{use.rpartition(':')[2]}({', '.join(parameters)}) does not take the arguments that your code gives it"
-            )
+            raise TypeError(f"{signature} does not take the arguments that your code gives it")
+        left = set(parameters[len(args) :]) - set(kwargs)
+        # The reference omits only arguments that have a default value.
+        if missing := left.intersection(*(each.given for each in self.known if each.use == use)):
+            raise TypeError(f"your code calls {signature} without {' and '.join(sorted(missing))}")
         raise EarlierNotUsable(
             f"Your code calls {in_words(use)} with an input for which no answer was recorded. Either something before "
             f"that call is wrong, or you need the function itself: {reason}"
