@@ -613,19 +613,22 @@ def textbook(
     gain: Callable[[Array, Array, Array], Array] = lambda P, H, S: P @ H.T @ np.linalg.inv(S),
     corrected: slice = slice(None),
     in_place: bool = False,
+    begins: int = 3,
+    kept: float = 1.0,
     reduced: Callable[[Array, Array, Array], Array] = lambda P, K, H: P - K @ H @ P,
 ) -> Callable[..., Any]:
     """Return the textbook's update with a symmetric covariance and with one slip.
 
     first(i) is the first column of landmark i in H, pair(j, i) the number of the pair of measurements that is used for
-    it, and landmark_of(j, i) the landmark that is read from the state. `wrapped` are the innovations that are wrapped, `corrected` the values of the state that are corrected.
+    it, and landmark_of(j, i) the landmark that is read from the state, where the first one `begins`. `wrapped` are the
+    innovations that are wrapped, `corrected` the values of the state that are corrected, and `kept` times the old state is added to the correction.
     """
 
     def updated(state: Array, P: Array, indices: Any, z: Array, R: Array) -> Any:
         m, n = len(indices), len(state)
         H, nu = np.zeros((2 * m, n)), np.zeros(2 * m)
         for j, i in enumerate(indices):
-            rows, begin, number = slice(2 * j, 2 * j + 2), 3 + 2 * landmark_of(j, i), pair(j, i)
+            rows, begin, number = slice(2 * j, 2 * j + 2), begins + 2 * landmark_of(j, i), pair(j, i)
             landmark = state[begin : begin + 2]
             H[rows, :3], own = measurement_jacobians(state[:3], landmark)
             H[rows, first(i) : first(i) + 2] = by_landmark(own)
@@ -636,7 +639,7 @@ def textbook(
         if in_place:
             new += shift
         elif corrected == slice(None):
-            new = state + shift
+            new = kept * state + shift
         else:
             new[corrected] += shift[corrected]
         new[2] = wrap_angle(new[2])
@@ -646,6 +649,21 @@ def textbook(
 
 
 TEXTBOOK_SLIPS = [
+    Mistake(
+        "state and H without the pose",
+        textbook(begins=0, first=lambda i: 2 * i),
+        "You put landmark i at 2 i, in the state and in the columns of H. The first three places belong to the pose, so landmark i has the places 3 + 2 i and 4 + 2 i.",
+    ),
+    Mistake(
+        "state without the pose",
+        textbook(begins=0),
+        "You read landmark i from state[2 * i : 2 * i + 2]. The first three values of the state are the pose, so landmark i begins at 3 + 2 i.",
+    ),
+    Mistake(
+        "the correction alone",
+        textbook(kept=0.0),
+        "Your new state is only the correction K ν. Add it to the old state: s' = s + K ν.",
+    ),
     Mistake(
         "columns of H without the pose",
         textbook(first=lambda i: 2 * i),
@@ -1038,6 +1056,14 @@ EVALUATE_LANDMARKS = Exercise(
             1 / P inverts each entry of P, and an entry of 0 becomes infinite. The inverse of a matrix is a different matrix: use np.linalg.solve(P, d).
         all errors as one matrix: squares = [error @ np.linalg.solve(P, error) for error, P in zip(errors, covariances, strict=True)] => squares = (errors * np.linalg.solve(covariances, errors)).sum(axis=1)
             np.linalg.solve(covariances, errors) treats the errors of all landmarks as one matrix. Solve for each landmark on its own, in a loop.
+        each with each: squares = [error @ np.linalg.solve(P, error) for error, P in zip(errors, covariances, strict=True)] => squares = errors @ np.linalg.inv(covariances) @ errors.T
+            You multiply the errors of all landmarks with each covariance, which gives (k, k, k) numbers. Compute d @ np.linalg.inv(P) @ d for one landmark at a time, in a loop.
+        the diagonal of a stack: squares = [error @ np.linalg.solve(P, error) for error, P in zip(errors, covariances, strict=True)] => squares = np.diag(errors @ np.linalg.inv(covariances) @ errors.T)
+            np.diag needs one matrix, but np.linalg.inv(covariances) is a stack of k matrices. Compute d @ np.linalg.inv(P) @ d for one landmark at a time, in a loop.
+        matrices of one number: error @ np.linalg.solve(P, error) => error[None] @ np.linalg.solve(P, error[:, None])
+            Each of your Mahalanobis distances is a matrix of one number, because you use d as a row and as a column. With a one-dimensional d, d @ np.linalg.solve(P, d) is a number.
+        rows of one number: error @ np.linalg.solve(P, error) => error[None] @ np.linalg.solve(P, error)
+            Each of your Mahalanobis distances is a row of one number. With a one-dimensional d, d @ np.linalg.solve(P, d) is a number.
         the first covariance for all: np.linalg.solve(P, error) => np.linalg.solve(covariances[0], error)
             You use the covariance of the first landmark for all of them. Each landmark has its own, covariances[i].
         truth added: errors = estimates - truth => errors = estimates + truth
@@ -1154,6 +1180,11 @@ ADD_LANDMARK = Exercise(
             Two shapes do not fit. Either a block is on the wrong side: in np.block([[P, A], [B, C]]) the block A has n rows and two columns, P[:, :3] J_pᵀ, and B = A.T has two rows, J_p P[:3]. Or you exchanged J_p (2, 3), which landmark_jacobians returns first, and J_z (2, 2).
         not at the end: np.append(state, position) => np.concatenate([state[:3], position, state[3:]])
             You insert the landmark behind the pose. Append it at the end of the state.
+        in front: np.append(state, position) => np.append(position, state)
+            You put the new landmark in front of the pose. Append it at the end, so that all old values keep their places.
+        in front, with its covariance: np.append(state, position) => np.append(position, state)
+            np.block([[covariance, cross], [cross.T, own]]) => np.block([[own, cross.T], [cross, covariance]])
+            You put the new landmark in front of the pose, in the state and in its covariance. Append it at the end of both, so that all old values keep their places.
         covariance kept: np.block([[covariance, cross], [cross.T, own]]) => covariance
             You return the old covariance. The new landmark needs two more rows and columns.
         only variances of the pose: cross = covariance[:, :3] @ by_pose.T => cross = covariance[:, :3] @ by_pose.T
@@ -1173,6 +1204,9 @@ ADD_LANDMARK = Exercise(
             You compute J_zᵀ R J_z. The columns of J_z belong to bearing and range, so the product is J_z R J_zᵀ.
         no noise: cross[:3] + by_measurement @ measurement_covariance @ by_measurement.T => cross[:3]
             Your landmark's covariance lacks the noise of the measurement. Add J_z R J_zᵀ.
+        no noise and zeros beside it: cross[:3] + by_measurement @ measurement_covariance @ by_measurement.T => cross[:3]
+            + cross = 0 * cross
+            Two parts are missing. The landmark's own covariance lacks the noise of the measurement, J_z R J_zᵀ. And its covariances with the old state are not zero, because it inherits the error of the pose.
         heading left out
             by_pose, by_measurement = landmark_jacobians(state[:3], measurement) => by_pose, by_measurement = landmark_jacobians(state[:3], measurement)
             + by_pose = by_pose * (1, 1, 0)

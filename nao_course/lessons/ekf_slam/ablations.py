@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from nao_course.datasets import HomeworkLog
 from nao_course.geometry import FloatArray
 from nao_course.lessons.ekf_slam.homework_log import LogRun, homework_start, run_log
+from nao_course.metrics import band
 from nao_course.plotting import STYLES, Drawing, Table, course_style, ellipse_outlines, table
 from nao_course.plotting.legends import legend_below
 from nao_course.sim.drives import Function, Sigmas
@@ -109,7 +110,10 @@ def ablate(
 
 def ablation_table(ablations: Sequence[Ablation]) -> Table:
     """Return a table of the standard deviations, in cm and degrees, and the mean NIS of each ablation."""
-    columns = ("sigmas", "position predicted, cm", "updated, cm", "heading, deg", "landmark, cm", "mean NIS")
+    first = ablations[0].run
+    low, high = band(2 * first.k, len(first.nis))
+    nis = f"mean NIS ({low:.1f} to {high:.1f})"
+    columns = ("sigmas", "position predicted, cm", "updated, cm", "heading, deg", "landmark, cm", nis)
     return table(
         columns,
         [

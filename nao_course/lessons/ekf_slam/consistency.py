@@ -200,12 +200,15 @@ def draw_consistency(found: Mapping[str, Sequence[FilterTrace]]) -> Drawing:
     for (name, traces), line in zip(found.items(), ("-", "--", ":"), strict=False):
         nees = np.mean([trace.nees for trace in traces], axis=0)
         steps = np.arange(1, len(nees) + 1)
-        ax.plot(steps, nees, line, color=COLOURS.get(name, GREY), lw=1.8, zorder=3, label=name)
+        label = f"{name}: mean {mean_nees(traces):.3g}"
+        if nis := [trace.nis.mean() for trace in traces if len(trace.nis)]:
+            label += f", NIS {np.mean(nis):.2f}"
+        ax.plot(steps, nees, line, color=COLOURS.get(name, GREY), lw=1.8, zorder=3, label=label)
     ax.set(yscale="log", xlabel="step", ylabel=f"pose NEES, mean of {runs} drives", xlim=(1, None))
     ticks = [1, 2, 3, 5, 10, 20, 50, 100]
     ax.set_yticks(ticks, labels=[str(tick) for tick in ticks])
     ax.minorticks_off()
-    legend_below(figure, ax.get_legend_handles_labels()[0], columns=3)
+    legend_below(figure, ax.get_legend_handles_labels()[0], columns=2)
     means = "; ".join(f"{name} {mean_nees(traces):.2f}" for name, traces in found.items())
     return Drawing(
         figure,

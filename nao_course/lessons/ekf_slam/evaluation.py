@@ -66,6 +66,9 @@ def distances_table(film: FilterFilm, evaluate_landmarks: Function) -> Table:
             zip(euclidean, mahalanobis, printed, strict=True), start=1
         )
     ]
+    rows.append(
+        ("mean", f"{np.mean(euclidean):.4f}", f"{np.mean(mahalanobis):.2f}", f"{np.mean(printed):.2e}")
+    )
     return table(("landmark", "Euclidean (m)", "Mahalanobis (sigmas)", "the homework's √(d'Pd) (m²)"), rows)
 
 

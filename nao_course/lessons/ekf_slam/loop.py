@@ -119,7 +119,9 @@ def draw_loop(*functions: Function) -> Drawing:
     beliefs = {"Before the last picture": (loop.before, BEFORE), "After it": (loop.after, AFTER)}
     for ax, (title, (belief, colour)) in zip(maps, beliefs.items(), strict=True):
         _plot_map(ax, loop, belief, colour)
-        ax.set_title(f"{title}: trace {_trace(belief):.2f} m²")
+        ax.set_title(
+            f"{title}:\ntrace {_trace(belief):.2f} m², {100 * errors(loop, belief).mean():.0f} cm off"
+        )
     for (belief, colour), marker in zip(beliefs.values(), "o^", strict=True):
         right.plot(
             np.arange(1, len(loop.numbers) + 1), 100 * deviations(belief), marker=marker, color=colour, lw=1.2

@@ -91,6 +91,7 @@ def draw_starts(
     nees = {variant: mean_nees(each) for variant, each in runs.items()}
     colours = {"homework": HOMEWORK, "textbook": TEXTBOOK}
     names = {"homework": "with init_landmarks", "textbook": "with add_landmark"}
+    maps = {variant: _maps(each, drives) for variant, each in runs.items()}
     low, high = band(3, DRIVES)
     figure = Figure(figsize=(10.4, 4.4))
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
@@ -98,6 +99,15 @@ def draw_starts(
     for variant, values in nees.items():
         marker = STYLES["odometry" if variant == "homework" else "ekf"].marker
         left.semilogy(values, color=colours[variant], marker=marker, ms=4, lw=1.3, label=names[variant])
+        off, inside = maps[variant]
+        left.annotate(
+            f"maps {100 * off:.0f} cm off, all landmarks inside in {inside}",
+            (len(values) - 1, values[-1]),
+            (0, -14 if variant == "homework" else 10),
+            textcoords="offset points",
+            ha="right",
+            fontsize=9,
+        )
     left.set(xlabel="step", ylabel="mean NEES of the pose (ideal: 3)")
     left.set_title(f"{DRIVES} drives")
     left.legend(fontsize=9)
@@ -116,30 +126,33 @@ def draw_starts(
         Line2D([], [], color=colours[variant], lw=2, label=f"landmark, {names[variant]}") for variant in runs
     ]
     legend_below(figure, [truth, *variants])
-    return Drawing(figure, _say_starts(runs, drives, nees))
+    return Drawing(figure, _say_starts(runs, drives, nees, maps))
 
 
-def _say_starts(runs: Mapping[str, Sequence[Any]], drives: Sequence[Any], nees: Mapping[str, Any]) -> str:
+def _maps(runs: Sequence[LogRun], drives: Sequence[Start]) -> tuple[float, int]:
+    """Return the maps' mean error (m), and the number of drives with all true landmarks inside their ellipses."""
+    each = list(zip(drives, runs, strict=True))
+    off = np.mean([drive.map_error(run) for drive, run in each])
+    return float(off), sum(_inside(run, drive.landmarks) == drive.log.k for drive, run in each)
+
+
+def _say_starts(
+    runs: Mapping[str, Sequence[Any]],
+    drives: Sequence[Any],
+    nees: Mapping[str, Any],
+    maps: Mapping[str, tuple[float, int]],
+) -> str:
     """Describe consistency and errors of both initialisations in words."""
     low, high = band(3, DRIVES)
     one = drives[SHOWN]
     last = {variant: float(values[-1]) for variant, values in nees.items()}
     inside = {variant: _inside(each[SHOWN], one.landmarks) for variant, each in runs.items()}
-    all_inside = {
-        variant: sum(
-            _inside(run, drive.landmarks) == drive.log.k for run, drive in zip(each, drives, strict=True)
-        )
-        for variant, each in runs.items()
-    }
-    errors = [
-        np.mean([drive.map_error(run) for drive, run in zip(drives, each, strict=True)])
-        for each in runs.values()
-    ]
     return (
         f"Mean NEES of the pose over {DRIVES} drives with an uncertain first pose. At the end it is "
         f"{last['homework']:.0f} with init_landmarks and {last['textbook']:.1f} with add_landmark; the "
-        f"band is {low:.2f} to {high:.2f}. Landmarks are {100 * errors[0]:.0f} and {100 * errors[1]:.0f} cm off on "
-        f"average. In {all_inside['homework']} and {all_inside['textbook']} drives all true landmarks lie inside "
+        f"band is {low:.2f} to {high:.2f}. Landmarks are {100 * maps['homework'][0]:.0f} and "
+        f"{100 * maps['textbook'][0]:.0f} cm off on "
+        f"average. In {maps['homework'][1]} and {maps['textbook'][1]} drives all true landmarks lie inside "
         f"their ellipses. In the map of one drive, {inside['homework']} of {one.log.k} true landmarks lie "
         f"inside their ellipses with init_landmarks, and {inside['textbook']} with add_landmark."
     )

@@ -78,7 +78,7 @@ def test_the_log_begins_with_measurements_and_nis_and_the_table_are_the_texts(fi
     assert mean_nis(10.0, *film_functions) == pytest.approx(0.12, abs=0.005)
     assert "12.09 with standard deviations times 1" in draw_nis(*film_functions).alt
     words = repr(distances_table(film, own["evaluate_landmarks"])).splitlines()
-    assert len(words) == 7 and "the homework's" in words[0]
+    assert len(words) == 8 and "the homework's" in words[0] and words[-1].split()[2] == "1.62"
 
 
 def test_the_average_distance_of_one_drive_says_little(film, film_functions, own):

@@ -72,7 +72,8 @@ def _draw_maps(runs: dict[str, tuple[FilterRun, str]]) -> Drawing:
         figure.subplots(1, len(runs), squeeze=False)[0], runs.items(), strict=True
     ):
         _plot_map(ax, run, colour)
-        nees = "" if run.map_nees is None else f", NEES {run.map_nees:.1f} of {run.landmarks.size}"
+        low, high = band(run.landmarks.size, 1)
+        nees = "" if run.map_nees is None else f", NEES {run.map_nees:.1f} ({low:.1f} to {high:.1f})"
         ax.set_title(f"{title}: {100 * run.map_error:.0f} cm off{nees}")
     legend_below(figure, _map_keys([colour for _, colour in runs.values()]), columns=2)
     return Drawing(figure, " ".join(f"{title}. {_say_run(run)}" for title, (run, _) in runs.items()))
@@ -175,7 +176,8 @@ def draw_second_error() -> Drawing:
     figure = Figure(figsize=(2 * MAP_SIZE[0], MAP_SIZE[1]))
     left, right = figure.subplots(1, 2)
     _plot_map(left, run, WRONG)
-    left.set_title(f"One bug left: {100 * run.map_error:.0f} cm off")
+    heading = abs(np.degrees(pose_errors(run.path[-1], bent_drive().steps[-1].pose)[2]))
+    left.set_title(f"One bug left: {100 * run.map_error:.0f} cm off, heading {heading:.0f}°")
     steps = np.arange(1, len(run.nees) + 1)
     negative = run.nees < 0
     right.axhspan(low, high, color="#e3e5e8", label="95 % band of one step")
