@@ -195,6 +195,36 @@ POST_CANDIDATES = Exercise(
             +         found.append((u, rows[-1]))
             + return np.array(found).reshape(-1, 2)
             In some columns you search further up for a yellow pixel with green below it. Test only the lowest yellow pixel, and reject the column if it fails.
+        goes on after a candidate: + found = []
+            + for u in range(labels.shape[1]):
+            +     for v in np.flatnonzero(labels[:, u] == 2)[::-1]:
+            +         run = np.cumprod(labels[v::-1, u] == 2).sum()
+            +         if (labels[v + 1 :, u][:look_down] == 1).sum() < min_green or run < min_height * len(labels):
+            +             break
+            +         found.append((u, v))
+            + return np.array(found).reshape(-1, 2)
+            After a candidate you go on to the yellow pixel above it. Test only the lowest yellow pixel of each column. In a loop over the rows, a break belongs after both tests, whether they pass or fail.
+        stops at the lowest pixel: & yellow.all(axis=1) => & yellow.all(axis=1) & (foot == height - 1)
+            Your scan of a column ends at its lowest pixel if this is not yellow. Go on upwards until you find yellow: an else with a break may be in the wrong place.
+        stops at a short run: & yellow.all(axis=1) => & yellow.all(axis=1)
+            + short = (green.sum(axis=1) >= min_green) & ~yellow.all(axis=1)
+            + good = good & (np.cumsum(short) == 0)
+            You stop at the first column whose run is too short. If your loop has a break or a return there, use continue.
+        stops at a foot near the edge: & yellow.all(axis=1) => & yellow.all(axis=1)
+            + good = good & (np.cumsum(foot + look_down >= height) == 0)
+            You stop at the first foot with fewer than look_down pixels below it. Count the green pixels that exist, and go on with the next column.
+        return in the loop: + labels = labels[:, :1]
+            You test the first column only. If your loop over the columns contains the return, move it behind the loop.
+        first column with yellow: & yellow.all(axis=1) => & yellow.all(axis=1) & (np.arange(len(foot)) == 0)
+            You test only the first column that contains yellow. If your loop contains a return, move it behind the loop.
+        the highest yellow pixel, downwards: + found = []
+            + for u in range(labels.shape[1]):
+            +     for v in np.flatnonzero(labels[:, u] == 2)[:1]:
+            +         run = np.cumprod(labels[v:, u] == 2).sum()
+            +         if (labels[v + 1 :, u][:look_down] == 1).sum() >= min_green and run >= min_height * len(labels):
+            +             found.append((u, v))
+            + return np.array(found).reshape(-1, 2)
+            You test the highest yellow pixel of a column and count downwards. Rows count downwards, so the foot is the largest row that np.flatnonzero returns, and the run goes up from it.
         stops at a rejected column: & yellow.all(axis=1) => & yellow.all(axis=1)
             + good = np.cumprod(good).astype(bool)
             You stop at the first column that fails a test. If your loop has a break or a return there, use continue.
@@ -431,6 +461,20 @@ CLUSTER_POINTS = Exercise(
             +     clusters.append(joined)
             + return np.array([np.mean(each, axis=0) for each in clusters]).reshape(-1, 2)
             You merge clusters but keep the old ones, too, so some points are in several clusters. Remove the old ones.
+        added to every cluster: + clusters = []
+            + for point in points:
+            +     joined = [each for each in clusters if min(np.linalg.norm(point - other) for other in each) <= max_distance]
+            +     for each in joined:
+            +         each.append(point)
+            +     if not joined:
+            +         clusters.append([point])
+            + return np.array([np.mean(each, axis=0) for each in clusters]).reshape(-1, 2)
+            You add a point to every cluster that it is near, so clusters share points. These clusters have to become one.
+        number of one neighbour: while not np.array_equal(names, before): => for i, row in enumerate(near):
+            names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = names[[i, *np.flatnonzero(row[:i])][-1]]
+            Each point takes over the number of one earlier neighbour. If it is near two clusters, all their points need the same number, so repeat until no number changes.
+        minimum of nothing: len(points)).min(axis=1, initial=len(points)) => len(points)).min(axis=1)
+            Your answers are right except without points: an empty array has no minimum. Use min(axis=1, initial=len(points)), or return np.zeros((0, 2)) first.
         single points left out: for name in np.unique(names)] => for name in np.unique(names) if (names == name).sum() > 1]
             You leave out clusters of one point. A point without neighbours is also a cluster.
         decimals of the points: + points = points.astype(int)
