@@ -45,6 +45,12 @@ TO_RADIANS = Exercise(
             You drop the decimals of the angle: 22.5 degrees become 22. Use angle_deg as it is.
         rounded down: angle_deg * np.pi / 180.0 => angle_deg // 180.0 * np.pi
             You round down to whole half turns, because // drops the remainder. Divide with /.
+        whole radians: angle_deg * np.pi / 180.0 => int(angle_deg * np.pi / 180.0)
+            You round the result to a whole number. A quarter of a turn is 1.5708 radians, so leave out int.
+        the factor only: angle_deg * np.pi / 180.0 => np.pi / 180.0
+            Your result is the same for each angle: one degree in radians. Multiply it by angle_deg.
+        pi in the denominator: angle_deg * np.pi / 180.0 => angle_deg / (180.0 * np.pi)
+            You divide by pi, perhaps because of your brackets. Multiply by pi, and divide by 180 only.
         wrapped: angle_deg * np.pi / 180.0 => (angle_deg + 180.0) % 360.0 * np.pi / 180.0 - np.pi
             You wrap the result to (-pi, pi]. That is right for directions, but this is an amount of turning: a whole turn is 2 pi, not 0.
         modulo a whole turn: / 180.0 => / 180.0 % (2 * np.pi)
