@@ -68,6 +68,10 @@ RGB_TO_HSL = Exercise(
         "The hue is np.where(largest == red, ..., sixths), times 60, modulo 360. The denominator of equation 1.2 is 0 for black and white, so replace it by 1 there: np.where(grey, 1.0, ...), as in divisor.",
     ),
     mistakes=catalogue("""
+        one minus forgotten: np.where(grey, 1.0, 1 - np.abs => np.where(grey, 1.0, np.abs
+            The denominator of your saturation is |M + m - 1|. In equation 1.2 this is subtracted from 1.
+        saturation first: 60 * sixths % 360, saturation, => saturation, 60 * sixths % 360,
+            Hue and saturation are exchanged. Return hue, saturation and lightness, in this order.
         half degrees: 60 * sixths % 360 => 30 * sixths % 180
             Your hues are half as large as expected. OpenCV stores hues of bytes in units of 2 degrees; this course uses degrees, 0 to 360.
         OpenCV's order: saturation, lightness => lightness, saturation
@@ -220,6 +224,12 @@ AVERAGE_LIGHTNESS = Exercise(
             The first pixel is never drawn. Indices start at 0, so use rng.integers(0, n).
         one index too many: lightness.size => lightness.size + 1
             Some of your indices are too large. In lightness.ravel()[i], i goes from 0 to lightness.size - 1. In lightness[row, column], row must be below lightness.shape[0] and column below lightness.shape[1]. Pass these sizes themselves to rng.integers.
+        as many indices as lightnesses: lightness.size => 255
+            You draw indices as if they were lightnesses, so the later pixels are never drawn, and a small picture has too few. Pass lightness.size.
+        lightnesses drawn: + return float(rng.integers(0, 255, size=n_samples).mean())
+            You return the mean of random numbers, which do not come from the picture. Use them as indices of lightness.ravel(), and return the mean of those pixels.
+        among the first n_samples pixels: lightness.size => n_samples
+            You draw only from the first n_samples pixels. All pixels should have the same chance, so pass lightness.size.
         only the first row: lightness.size => len(lightness)
             You draw only from the first pixels, because len(lightness) is the number of rows. The number of pixels is lightness.size.
         only ten pixels: lightness.size => 10
@@ -470,6 +480,14 @@ COLOR_LABELS = Exercise(
         "With rgb_to_hsl and hue_mask you get three masks: green hue and enough saturation, yellow hue and enough saturation, lightness above the threshold. White needs no minimum saturation.",
     ),
     mistakes=catalogue("""
+        three numbers for each pixel: picture.shape[:2] => picture.shape
+            You have three numbers for each pixel, because picture.shape includes the channels. A label is one number, so use picture.shape[:2].
+        three floats for each pixel: np.zeros(picture.shape[:2], dtype=np.uint8) => np.zeros(picture.shape)
+            You have three floats for each pixel, because picture.shape includes the channels. Use np.zeros(picture.shape[:2], dtype=np.uint8).
+        the last np.where only: + return np.where(rgb_to_hsl(picture)[2] > threshold, 3, 0)
+            All your labels are 3 or 0. If you use np.where three times, each one replaces the labels before it, unless they are its third argument: np.where(white, 3, labels).
+        pale pixels coloured: saturation >= min_saturation => saturation < min_saturation
+            You label the nearly grey pixels and leave out the coloured ones. Green and yellow need a saturation of at least min_saturation.
         green wins: labels[lightness > threshold] => labels[(lightness > threshold) & (labels == 0)]
             + labels[hue_mask(hue, *green) & coloured] = 1
             Your order of precedence is reversed. White takes precedence over yellow, and yellow over green: assign green first.
@@ -648,6 +666,8 @@ CALIBRATE_HUE = Exercise(
             Your last gap ends at 360. It ends at the first hue, one turn later: hues[0] + 360.
         index past the end: % len(hues) =>
             Your index can be len(hues), which does not exist. After the last hue comes the first: use (k + 1) % len(hues).
+        a width as an index: gaps.argmax() => gaps.max()
+            You use the width of the widest gap as an index. gaps.argmax() returns its place among the gaps.
         the narrowest gap: gaps.argmax() => gaps.argmin()
             Your arc leaves out the narrowest gap between neighbouring hues. The smallest arc leaves out the widest one: use argmax.
         the narrowest gap of equal hues: np.unique(hue[saturation > 0]) => np.sort(hue[saturation > 0])
