@@ -139,6 +139,8 @@ POSE = Exercise(
         heading and turn from degrees: (theta) =>> (np.radians(theta))
             theta + turn]) => np.radians(theta + turn)])
             You convert heading and turn to radians, but both already are in radians.
+        new heading from degrees: theta + turn]) => np.radians(theta + turn)])
+            You convert the new heading to radians, but theta and alpha already are in radians.
         backwards: distance * =>> -distance *
             Your robot drives backwards. Add the displacement: x + d cos(theta).
         drives across: np.cos(theta), y + distance * np.sin(theta) => np.sin(theta), y - distance * np.cos(theta)
@@ -209,6 +211,8 @@ MEASUREMENT = Exercise(
             Some of your bearings are outside (-pi, pi]. Wrap the difference of the two angles with wrap_angle(...).
         arctan for arctan2: arctan2(dy, dx) => arctan(dy / dx)
             np.arctan(dy / dx) gives the same angle for a landmark ahead and one behind. Use np.arctan2(dy, dx).
+        arctan, not wrapped: wrap_angle(np.arctan2(dy, dx) - theta) => np.arctan(dy / dx) - theta
+            There are two errors: np.arctan(dy / dx) gives the same angle for a landmark ahead and one behind, so use np.arctan2(dy, dx); and the difference of the angles has to be wrapped.
         heading forgotten: - theta => - 0
             You return the direction in the field frame. A bearing is relative to the robot's heading: subtract theta.
         heading added: - theta => + theta
@@ -286,7 +290,10 @@ POSITION = Exercise(
         bearing subtracted: theta + bearing =>> theta - bearing
             You subtract the bearing. It is positive to the left, as headings are, so use theta + beta.
         heading subtracted: theta + bearing =>> bearing - theta
-            You subtract the heading, as in equation 5.2. This function is the inverse, so use theta + beta.
+            You rotate by -theta. This function is the inverse of equation 5.2, so use theta + beta. As a matrix, the rotation by theta has the rows (cos, -sin) and (sin, cos).
+        one term of two: np.cos(theta + bearing), => np.cos(theta) * np.cos(bearing),
+            np.sin(theta + bearing) => np.sin(theta) * np.sin(bearing)
+            cos(theta + beta) is not cos(theta) cos(beta), and likewise for the sine. A rotation mixes both coordinates, so x and y have two terms each.
         the report's slip: np.sin(theta + bearing) => (np.sin(theta) * np.sin(bearing) + np.cos(theta) * np.cos(bearing))
             In your y the robot frame's l_x and l_y are swapped. The second row of the rotation is (sin, cos), for l_x and l_y in this order. The report has the same mistake on page 1.3.
         cosine and sine swapped: distance * np.sin => distance *  np.cos
@@ -402,6 +409,12 @@ MOTION = Exercise(
             In F's theta column cosine and sine are swapped and the signs are wrong, too. Differentiate d cos(theta) for the first row and d sin(theta) for the second.
         the heading's one: (theta)], [0, 0, 1]] => (theta)], [0, 0, 0]]
             F[2, 2] is 0. The new theta contains the old theta, so this derivative is 1.
+        the turn's own error: return F, G => G[2, 2] = 0
+            + return F, G
+            G[2, 2] is 0. The new theta contains e_alpha, so this derivative is 1.
+        the turn itself: return F, G => G[2, 2] = control[1]
+            + return F, G
+            G[2, 2] is alpha. The new theta contains e_alpha, so its derivative with respect to e_alpha is 1.
         nothing across: -np.sin(theta), 0], [np.sin(theta), np.cos(theta), 0] => 0, 0], [np.sin(theta), 0, 0]
             G's second column is zero. The error across moves the robot to its left, by (-sin, cos).
         the sign across: -np.sin(theta) => np.sin(theta)
@@ -496,6 +509,10 @@ COVARIANCE = Exercise(
             Your second term is G @ Q. A covariance is also multiplied by the transposed Jacobian on the right: G @ Q @ G.T.
         products of entries: @ =>> *
             In NumPy * multiplies entry by entry. The matrix product is @.
+        products of entries, of the motion: G @ control_covariance @ G.T => G * control_covariance * G.T
+            In your second term * multiplies entry by entry. The matrix product is @.
+        an inverse: F @ covariance @ F.T => F @ covariance @ np.linalg.inv(F)
+            Your first term has the inverse of F on the right. It should be the transpose: F @ P @ F.T.
         F and G swapped: F, G = => G, F =
             F and G are swapped. F belongs to the old covariance and G to the control's.
         squared again: control_covariance @ => control_covariance**2 @
@@ -558,6 +575,14 @@ LANDMARK = Exercise(
             The columns of by_measurement are swapped. A measurement is (bearing, range).
         cosine and sine swapped: c, s = => s, c =
             Cosine and sine are swapped in all entries. In equation 5.3 l_x contains the cosine, so its derivative with respect to an angle is -r sin, and with respect to r it is cos.
+        cosine and sine swapped by the range: [[across[0], c], [across[1], s]] => [[across[0], s], [across[1], c]]
+            In by_measurement's column for the range cosine and sine are swapped. l_x contains r cos(theta + beta), so its derivative with respect to r is the cosine.
+        derivatives by the angles swapped: -measurement[1] * s, measurement[1] * c => measurement[1] * c, -measurement[1] * s
+            The derivatives with respect to heading and bearing are swapped. l_x contains the cosine, so -r sin is in the first row and r cos in the second.
+        heading first: [[1, 0, across[0]], [0, 1, across[1]]] => [[across[0], 1, 0], [across[1], 0, 1]]
+            The columns of by_pose are in another order. They belong to x, y and theta.
+        a row for the heading: return by_pose, by_measurement => return np.vstack([by_pose, [0, 0, 1]]), by_measurement
+            Your by_pose has a row for theta. A landmark has only a position, so there are two rows, l_x and l_y.
         bearing's sign: [[across[0], c], [across[1], s]] => [[-across[0], c], [-across[1], s]]
             by_measurement's column for the bearing has the wrong sign. Heading and bearing are both positive to the left, so their derivatives are the same.
         minus forgotten: -measurement[1] => measurement[1]
@@ -815,6 +840,14 @@ BY_POSE = Exercise(
             There are two mistakes: the derivatives with respect to x and y have the wrong sign, because dx = l_x - x; and you divide the derivatives of the bearing by r, but it should be r^2.
         range by the heading: -dy / r, 0 => -dy / r, -1
             In your matrix the derivative of the range with respect to theta is -1. A robot that turns on the spot does not change its distance, so it is 0.
+        the -1 in the range's row: -dx / q, -1] => -dx / q, 0]
+            -dy / r, 0] => -dy / r, -1]
+            The -1 is in the range's row. Only the bearing contains theta, so the -1 belongs in the first row.
+        one sign in the bearing, by x: [[dy / q => [[-dy / q
+            The derivative of the bearing with respect to x has the wrong sign. The worked entry of the text is dy / q.
+        columns for the landmark: return => H =
+            + return np.hstack([H, -H[:, :2]])
+            Your matrix is 2 x 5. This function returns the columns for x, y and theta only; exercise 5.9 asks for the landmark's.
         one sign in the bearing: -dx / q => dx / q
             The derivative of the bearing with respect to y has the wrong sign. If the robot moves left (y grows), a landmark ahead moves to the right.
         no column for the heading: 0]]) => 0]])[:, :2]
@@ -861,6 +894,8 @@ BY_LANDMARK = Exercise(
             You return by_measurement, the derivatives of the landmark's position with respect to the measurement. You need its inverse.
         transposed, not inverted: + return landmark_jacobians(pose, expected_measurement(pose, landmark))[1].T
             You return the transpose of by_measurement. It is not the inverse, because the columns of by_measurement do not all have length 1.
+        the wrong matrix inverted: + return np.linalg.inv(measurement_jacobian_pose(pose, landmark)[:, :2])
+            You invert a Jacobian of the measurement, which gives a change of position for a change of the measurement. H_l goes the other way. By property 2, J_z is the matrix to invert.
         at the landmark: + return np.linalg.inv(landmark_jacobians(pose, landmark)[1])
             You call landmark_jacobians with a landmark. Its second argument is a measurement: expected_measurement(pose, landmark).
         transposed: [:, :2] => [:, :2].T
