@@ -78,6 +78,8 @@ FUSE = Exercise(
         variances squared in v(w): variance_a / (variance_a + variance_b) => variance_a**2 / (variance_a**2 + variance_b**2)
             (1 - weight) * variance_a => (1 - weight) ** 2 * variance_a + weight**2 * variance_b
             Your formulas for the mean and v(w) are right, but your w squares the variances. They are sigma squared already, so use them as they are.
+        parentheses forgotten: variance_a / (variance_a + variance_b) => variance_a / variance_a + variance_b
+            Your weight is 1 + variance_b, because division comes before addition. Put the sum in parentheses.
         variance first: return mean, (1 - weight) * variance_a => return (1 - weight) * variance_a, mean
             You return (variance, mean). Return the mean first.
         taken for standard deviations: + variance_a, variance_b = variance_a**2, variance_b**2
@@ -168,6 +170,14 @@ INNOVATION = Exercise(
             Your innovation is expected minus measured. Subtract the other way round, measured minus expected, so that the filter moves towards the measurement.
         not wrapped: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing
             Your innovation is right, except that the bearing can be off by a full turn: from 170 to -175 degrees you get -345, but it is 15. Reduce the bearing's difference to the range from -pi to pi; if you wrap at 180, remember that it is in radians.
+        the wrong remainder: (bearing + np.pi) % (2 * np.pi) - np.pi => (bearing + np.pi) % 2 * np.pi - np.pi
+            % and * are evaluated from left to right, so ... % 2 * np.pi is a remainder by 2, times pi. Write % (2 * np.pi).
+        arctan2 of cosine and sine: (bearing + np.pi) % (2 * np.pi) - np.pi => np.arctan2(np.cos(bearing), np.sin(bearing))
+            np.arctan2 takes the sine first, then the cosine.
+        always down: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing - 2 * np.pi * (abs(bearing) > np.pi)
+            You subtract a full turn if the difference is above pi, which is right, but also if it is below -pi. There, add a full turn.
+        always half a turn down: (bearing + np.pi) % (2 * np.pi) - np.pi => bearing - np.pi * (abs(bearing) > np.pi)
+            There are two errors: a full turn is 2 * np.pi; and if the difference is below -pi, add a full turn.
         range wrapped: distance]) => (distance + np.pi) % (2 * np.pi) - np.pi])
             You wrap the range, too. It is in metres, so a difference of 5 m must stay 5 m. Wrap the bearing only.
         both from 0: (bearing + np.pi) % (2 * np.pi) - np.pi, distance => bearing % (2 * np.pi), distance % (2 * np.pi)
@@ -576,6 +586,8 @@ KALMAN_UPDATE = Exercise(
             You compute P (I - K H), and the result is not symmetric. Multiply from the other side: (I - K H) P.
         half of the Joseph form: left.T + K @ R @ K.T => left.T
             Your covariance is (I - K H) P (I - K H)ᵀ alone, which leaves out the measurement noise. Add K R Kᵀ.
+        the Joseph form transposed: left @ covariance @ left.T => left.T @ covariance @ left
+            In your Joseph form the first I - K H is transposed. It is the second one: (I - K H) P (I - K H)ᵀ.
         minus in the Joseph form: left.T + K @ R => left.T - K @ R
             You subtract K R Kᵀ. The measurement noise makes the covariance larger, so add it.
     """),
@@ -715,6 +727,12 @@ LOCALIZE = Exercise(
             You update twice with the same measurement. The second time it contains no new information, so your covariance becomes too small. Update once.
         bearing alone: difference, jacobian, R => difference[:1], jacobian[:1], R[:1, :1]
             You update with the bearing only. The range contains information about the distance, so use both rows.
+        R squared: jacobian, R => jacobian, R**2
+            You square R. It has variances already, so use it as it is.
+        expected at the measurement: expected_measurement(pose, landmark) => expected_measurement(pose, measurement)
+            You call expected_measurement with the measurement. Its second argument is the landmark's position: expected_measurement(pose, landmark).
+        Jacobian at the measurement: measurement_jacobian_pose(pose, landmark) => measurement_jacobian_pose(pose, measurement)
+            You call measurement_jacobian_pose with the measurement. Its second argument is the landmark's position.
         R as standard deviations: jacobian, R => jacobian, np.sqrt(R)
             You take the square root of R. R has variances already, and S adds variances, so use R as it is.
         covariance kept: (x, y, theta), covariance => (x, y, theta), _
