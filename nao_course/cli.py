@@ -19,12 +19,10 @@ from rich.table import Table
 
 import nao_course._internal.single_threaded
 import nao_course.lab
-from nao_course import homework
+from nao_course._internal.student_folders import NOTEBOOKS, RELEASE
 from nao_course._internal.text_encodings import write_any_character
-from nao_course.exercises import lesson_names
-from nao_course.exercises.answered import lesson_of_notebook, notebooks_in, several_copies
-from nao_course.exercises.checking import lessons, read_public
-from nao_course.student import notebooks, progress
+
+# A command imports what only it needs, so that the list of commands appears at once.
 
 
 class _Commands(typer.Typer):
@@ -95,6 +93,10 @@ def check(
     ),
 ) -> None:
     """Run the public checks on a lesson's notebook. The status is 0 when all of them pass."""
+    from nao_course.exercises.answered import notebooks_in, several_copies
+    from nao_course.exercises.checking import read_public
+    from nao_course.student import notebooks, progress
+
     if not lesson_or_file:
         _say(repr(progress(_notebooks())))
         return
@@ -132,6 +134,10 @@ def check(
 
 def _notebook(meant: str) -> tuple[str, Path]:
     """Return the lesson and the notebook that a number, a lesson's name or the path of a notebook refers to."""
+    from nao_course.exercises import lesson_names
+    from nao_course.exercises.answered import lesson_of_notebook, notebooks_in
+    from nao_course.exercises.checking import lessons
+
     path = Path(meant)
     if path.is_file():
         return lesson_of_notebook(path.name, lessons()) or path.stem, path
@@ -149,6 +155,10 @@ def submit(
     out: Path = typer.Option(Path(), help="Folder for the zip."),
 ) -> None:
     """Pack your notebooks into a zip to hand in, with a receipt."""
+    from nao_course import homework
+    from nao_course.exercises.answered import notebooks_in, several_copies
+    from nao_course.exercises.checking import lessons
+
     with _errors_in_words():
         where = folder or _notebooks()
         receipt = homework.submit(where, out)
@@ -167,6 +177,9 @@ def submit(
 
 def _state_of(lesson: str, folder: Path) -> str:
     """Return how much of a lesson is complete, according to the public checks."""
+    from nao_course.exercises.checking import read_public
+    from nao_course.student import notebooks
+
     try:
         public, found = read_public(lesson), notebooks.functions(lesson, folder)
     except ValueError as error:
@@ -180,6 +193,8 @@ def _state_of(lesson: str, folder: Path) -> str:
 @app.command()
 def renew(root: Path = typer.Argument(Path(), help="Folder in which the release was unpacked.")) -> None:
     """Update notebooks/ to a newer release and keep your work; `lab` does this automatically."""
+    from nao_course import homework
+
     with _errors_in_words():
         for line in [*map(str, homework.renew(root))] or ["Your notebooks are up to date."]:
             _say(line)
@@ -189,12 +204,14 @@ def renew(root: Path = typer.Argument(Path(), help="Folder in which the release 
 def lab(
     context: typer.Context,
     release: Path = typer.Option(
-        homework.RELEASE, envvar="NAO_COURSE_RELEASE", help="Folder of the release, if it is not here."
+        RELEASE, envvar="NAO_COURSE_RELEASE", help="Folder of the release, if it is not here."
     ),
 ) -> None:
     """Open the lessons in JupyterLab; further arguments go to JupyterLab."""
     with _errors_in_words():
         if release.is_dir():
+            from nao_course import homework
+
             for renewal in homework.renew(Path(), release):
                 _say(str(renewal))
         command = nao_course.lab.command(_notebooks(), context.args)
@@ -247,7 +264,8 @@ def demo(
 
 
 def _notebooks() -> Path:
-    return homework.NOTEBOOKS if homework.NOTEBOOKS.is_dir() else Path()
+    """Return the folder of a release in which a student works, or the current one."""
+    return NOTEBOOKS if NOTEBOOKS.is_dir() else Path()
 
 
 # --- instructors ---

@@ -15,6 +15,7 @@ from typing import Any
 
 from nao_course._internal.lazy_names import list_public
 from nao_course._internal.renamed_names import with_new_names
+from nao_course._internal.student_folders import NOTEBOOKS, RELEASE
 from nao_course._internal.text_encodings import decode_text
 from nao_course.exercises.answered import notebooks_in
 from nao_course.exercises.cells import cell_id, grade_id, is_solution, metadata, source_of
@@ -25,8 +26,6 @@ from nao_course.exercises.versions import installed_versions
 __all__ = ["NOTEBOOKS", "RELEASE", "REQUEST", "Receipt", "Renewal", "renew", "submit", "zipped"]
 __dir__ = list_public(__name__)
 
-RELEASE = Path("release")  # folder of an unpacked release, which is never edited
-NOTEBOOKS = Path("notebooks")  # the student's working folder, which no release contains
 REQUEST = "regrade_request.txt"  # in NOTEBOOKS: what a person should look at again
 _GIVEN = ".given"  # in NOTEBOOKS: each lesson as released, to find the student's changes
 _KEPT = "kept"  # in NOTEBOOKS: the student's notebooks before each renewal

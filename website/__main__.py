@@ -15,7 +15,7 @@ from nao_course.instructor.authoring.course import Course, LessonError, load_cou
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from website import ROOT
 from website.checks import offences
-from website.editions import EDITIONS, gather
+from website.editions import BESIDE, EDITIONS, gather
 
 BUILD = ROOT / "build" / "website"
 
@@ -45,8 +45,8 @@ def build(edition: str, folder: Path, lessons: Sequence[str] = ()) -> Path:
         "-m",
         "sphinx",
         *options,
-        "-d",
-        str(folder / "doctrees"),
+        *("-D", f"html_extra_path={sources / BESIDE}"),
+        *("-d", str(folder / "doctrees")),
         str(sources),
         str(pages),
     ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 from website.lessons import Lesson
@@ -12,6 +13,7 @@ from website.lessons import Lesson
 __all__ = ["SIZE", "cards"]
 
 SIZE = (640, 480)  # pixels: twice the width of a card, for screens with small pixels
+JPEG_STEPS = 12  # of 255: by how much one colour differs within a photograph's file
 
 
 def cards(lessons: Sequence[Lesson], folder: Path) -> str:
@@ -28,13 +30,19 @@ def cards(lessons: Sequence[Lesson], folder: Path) -> str:
         _shrunk(figure, lesson.about["card"]).save(folder / name, quality=88)
         picture = f"![{lesson.about['card_shows']}]({folder.name}/{name})"
         title = f"[{lesson.number} {lesson.title}](lessons/{lesson.name}.ipynb)"
-        text = f"{lesson.goal} *{lesson.minutes + lesson.later} minutes*"
+        text = f"{_without_opening(lesson.goal)} *{lesson.minutes + lesson.later} minutes*"
         found.append(f":::{{container}} lesson\n{picture}\n\n**{title}**\n\n{text}\n:::")
     return "\n\n".join(["::::{container} lessons", *found, "::::"])
 
 
+def _without_opening(goal: str) -> str:
+    """Return what each lesson's goal says behind the words with which all of them open."""
+    rest = goal.removeprefix("At the end of this lesson ")
+    return rest[0].upper() + rest[1:]
+
+
 def _shrunk(figure: Path, part: Sequence[float]) -> Image.Image:
-    """Return a part (left, top, right, bottom; fractions) of a figure on a white card of the size `SIZE`."""
+    """Return a part (left, top, right, bottom; fractions) of a figure on a card of the part's own background."""
     left, top, right, bottom = part
     if not (0 <= left < right <= 1 and 0 <= top < bottom <= 1):
         raise ValueError(
@@ -49,6 +57,14 @@ def _shrunk(figure: Path, part: Sequence[float]) -> Image.Image:
     )
     scale = min(SIZE[0] / piece.width, SIZE[1] / piece.height)
     piece = piece.resize((round(scale * piece.width), round(scale * piece.height)), Image.Resampling.LANCZOS)
-    card = Image.new("RGB", SIZE, "white")
+    card = Image.new("RGB", SIZE, _background(piece))
     card.paste(piece, ((SIZE[0] - piece.width) // 2, (SIZE[1] - piece.height) // 2))
     return card
+
+
+def _background(piece: Image.Image) -> tuple[int, ...]:
+    """Return the colour of all four corners, as of a map's carpet, or white where they differ."""
+    right, bottom = piece.width - 1, piece.height - 1
+    corners = np.array([piece.getpixel((x, y)) for x in (0, right) for y in (0, bottom)])
+    is_one = (np.ptp(corners, axis=0) <= JPEG_STEPS).all()
+    return tuple(int(each) for each in corners.mean(axis=0)) if is_one else (255, 255, 255)

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import re
+from base64 import b64decode
 from collections.abc import Mapping
+from hashlib import sha256
+from io import BytesIO
+from pathlib import Path
 from typing import Any
+
+from PIL import Image
 
 from nao_course.films import film_html, recorded_film
 
-__all__ = ["add_figures", "add_films"]
+__all__ = ["add_figures", "add_films", "save_pictures"]
 
 SHOWN = ("display", "example", "payoff")  # roles of the cells that draw something and hold no solution
 _IMAGE = (
@@ -17,6 +23,8 @@ _IMAGE = (
 # On a dark page, what is around the photographs of a figure is inverted.
 _AROUND = r'<span class="nao-around" style="clip-path: polygon\([a-z0-9.,% ]+\)"></span>'
 _PICTURE = re.compile(rf'<div class="nao-photos">{_IMAGE}{_AROUND}</div>|{_IMAGE}')
+_DATA = re.compile(r'src="data:image/(png|jpeg);base64,([A-Za-z0-9+/=]+)"')
+PHOTO_QUALITY = 82  # of 100: a photograph of 320 x 240 pixels is not to be told apart from the notebook's
 # The film of a lesson stands below the figure, if there is one, of the first cell with this line.
 FILMS: Mapping[str, Mapping[str, str]] = {
     "07_ekf_slam": {"FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},
@@ -60,6 +68,29 @@ def add_films(notebook: dict[str, Any], lesson: str) -> None:
             )
         kept = [] if "Panel(" in line else found[0]["outputs"]  # a film replaces the picture of a panel
         found[0]["outputs"] = [*kept, _html(film_html(recorded_film(name)))]
+
+
+def save_pictures(notebook: dict[str, Any], folder: Path) -> None:
+    """Save the pictures that a notebook's outputs hold as text into a folder beside its page.
+
+    The notebook is changed. Drawings keep every pixel, photographs are compressed; a browser loads each when it comes
+    into view.
+    """
+    for cell in notebook["cells"]:
+        for output in cell.get("outputs", ()):
+            data = output.get("data", {})
+            if "text/html" in data:
+                data["text/html"] = _DATA.sub(lambda found: _saved(found, folder), "".join(data["text/html"]))
+
+
+def _saved(found: re.Match[str], folder: Path) -> str:
+    """Save a picture under the name of its bytes, and return the attribute that shows it."""
+    content = b64decode(found[2])
+    path = folder / f"{sha256(content).hexdigest()[:16]}.webp"
+    if not path.exists():
+        with Image.open(BytesIO(content)) as picture:
+            picture.save(path, lossless=found[1] == "png", quality=PHOTO_QUALITY)
+    return f'loading="lazy" src="{folder.name}/{path.name}"'
 
 
 def _draws(cell: Mapping[str, Any]) -> bool:

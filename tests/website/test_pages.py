@@ -12,7 +12,7 @@ from tests.browser.lab import browser_page
 from tests.paths import PROJECT
 from website.__main__ import build
 from website.checks import offences, read_page
-from website.editions import EDITIONS
+from website.editions import EDITIONS, TELLING
 
 pytestmark = [
     pytest.mark.slow,
@@ -81,6 +81,15 @@ def test_the_students_pages_show_the_figures_of_the_instructors_and_nothing_else
         assert len(student.pictures) > 3 and student.pictures <= instructor.pictures, path.name
 
 
+FRAME = "Number(document.querySelector('.nao-film').dataset.frame)"
+# From the top of the map to the end of what is seen with it: the bar that plays the film, and a matrix.
+HEIGHT = """film => {
+    const parts = [...film.querySelectorAll(":is(.nao-map-canvas, .nao-film-controls, figure > canvas)")];
+    const seen = parts.map(part => part.getBoundingClientRect()).filter(box => box.height);
+    return Math.max(...seen.map(box => box.bottom)) - Math.min(...seen.map(box => box.top));
+}"""
+
+
 @pytest.mark.browser
 @pytest.mark.parametrize("size", [LAPTOP, PHONE], ids=["laptop", "phone"])
 def test_the_students_films_play_and_fit_the_screen(site, chromium, size):
@@ -94,12 +103,32 @@ def test_the_students_films_play_and_fit_the_screen(site, chromium, size):
             page.goto(path.as_uri())
             for film in page.locator(".nao-film").all():
                 films += 1
+                if path.name == "index.html":
+                    page.wait_for_function(f"() => {FRAME} > {TELLING['start']}", timeout=240_000)
+                    film.press(" ")
+                    film.press("Home")
+                    film.locator("select").select_option("3")
                 film.locator(".nao-film-play").click()
-                page.wait_for_timeout(1500)
+                shows = "film => Number(film.dataset.frame) >= 1"
+                page.wait_for_function(shows, arg=film.element_handle(), timeout=240_000)
                 film.press(" ")
-                assert int(film.get_attribute("data-frame")) >= 1, path.name
                 assert film.evaluate("each => each.scrollWidth <= each.clientWidth"), path.name
+                assert size == LAPTOP or film.evaluate(HEIGHT) <= PHONE["height"], path.name
     assert films == 7 and complaints == []
+
+
+@pytest.mark.browser
+def test_what_the_search_shows_of_a_page_begins_and_ends_with_a_word_and_has_no_code(site, chromium):
+    words = " ".join(f"word{number}" for number in range(200))
+    html = f'<article role="main"><div class="cell_input">import hidden</div><p>{words}</p></article>'
+    with browser_page(chromium) as page:
+        page.goto((site["student"] / "search.html").as_uri())
+        piece = page.evaluate(
+            "html => Search.makeSearchSummary(html, new Set(['word77']), null).textContent", html
+        )
+    first, *middle, last = piece.split()
+    assert (first, last) == ("…", "…")
+    assert "word77" in middle and set(middle) <= {*words.split()}
 
 
 # What is wider than the screen and cannot be scrolled: the theme cuts it off without a word.

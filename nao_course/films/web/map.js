@@ -27,6 +27,7 @@ const NaoMap = (() => {
 
   // --- theme ---
 
+  const onPhone = () => matchMedia("(max-width: 46em)").matches;
   const isDark = element => {
     const parts = getComputedStyle(element).color.match(/[\d.]+/g) || [0, 0, 0];
     return 0.299 * parts[0] + 0.587 * parts[1] + 0.114 * parts[2] > 140;
@@ -339,7 +340,8 @@ const NaoMap = (() => {
       const width = this.root.clientWidth, [x0, y0, x1, y1] = this.scene.bounds, ratio = devicePixelRatio || 1;
       if (!width || !this.root.isConnected) return;
       const { left, right, top, bottom } = MARGIN;
-      const most = this.scene.tallest || this.root.clientHeight - this.legend.offsetHeight; // 0: as tall as its place
+      const tallest = onPhone() ? Math.min(this.scene.tallest, 300) : this.scene.tallest; // leaves room for a matrix
+      const most = tallest || this.root.clientHeight - this.legend.offsetHeight; // 0: as tall as its place
       const scale = Math.min((width - left - right) / (x1 - x0), (most - top - bottom) / (y1 - y0));
       const height = Math.round(scale * (y1 - y0) + top + bottom), own = Math.round(scale * (x1 - x0) + left + right);
       if (this.canvas.width !== Math.round(own * ratio) || this.canvas.height !== Math.round(height * ratio)) {

@@ -127,6 +127,7 @@ const NaoFilm = (() => {
       this.build();
       this.still = matchMedia("(prefers-reduced-motion: reduce)");
       this.go(film.start ?? 0);
+      if (film.plays && !this.still.matches) this.toggle(1);
     }
     build() {
       const { film } = this, views = document.createElement("div"), bar = document.createElement("div");
@@ -138,7 +139,7 @@ const NaoFilm = (() => {
       this.map.onTheme = () => this.draw();
       this.matrices = film.matrices.map(each => new Matrix(views, each));
       this.sizes = new ResizeObserver(() => this.matrices.forEach(each => each.draw(this.time)));
-      this.sizes.observe(views);
+      this.sizes.observe(this.root);
       bar.className = "nao-film-controls";
       this.play = button("▶ Play", "Play or pause (space)", () => this.toggle(1));
       this.play.classList.add("nao-film-play");
