@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -83,8 +84,8 @@ class Proofs:
     points, and the solutions of the lesson and of those before it; with the same for each exercise, without what only
     other exercises rest on; and with the versions of Python and of what computes.
 
-    `declarations` are files and `plans` what they declare, with the course's points, by the names of all
-    lessons; with `anew`, everything is proven again.
+    `declarations` are the files of all lessons by their names, and `plans` what they declare, with the course's points:
+    of all lessons to prove one, of one to ask about it. With `anew`, everything is proven again.
     """
 
     root: Path
@@ -107,9 +108,17 @@ class Proofs:
         _write(self._file(name), json.dumps(head | {"data": _hash(data)}).encode() + b"\n" + data)
         return data
 
+    def committed(self, name: str) -> bytes | None:
+        """Return the committed data of a lesson's checks if they were proven on the same inputs with these versions."""
+        with suppress(OSError):
+            data = (self.root / CHECKS / f"{name}.bin").read_bytes()
+            if self.is_vouched_for(name, data) and self._manifest[name]["versions"] == _versions():
+                return data
+        return None
+
     def manifest(self, proven: Mapping[str, bytes]) -> bytes:
         """Return the manifest with the proofs of lessons whose check data are given in the place of theirs."""
-        heads = {name: head for name, head in self._manifest.items() if name in self.plans}
+        heads = {name: head for name, head in self._manifest.items() if name in self.declarations}
         for name, data in proven.items():
             heads[name] = self._head(name) | {"data": _hash(data)}
         return (json.dumps(heads, indent=2, sort_keys=True) + "\n").encode()
@@ -156,7 +165,7 @@ class Proofs:
             "declaration": _hash(declaration.read_bytes()) if declaration.is_file() else "",
             "points": plan.points,
             "names of others": sorted(
-                self._taken(name) & {*plan.points, *(each.name for each in plan.questions)}
+                self._words_of_others(name) & {*plan.points, *(each.name for each in plan.questions)}
             ),
             "solution": self._solutions.get(name, []),
             "shown": demonstrated(self._cells.get(name, [])),
@@ -176,7 +185,7 @@ class Proofs:
 
     def _shared(self, name: str) -> dict[str, Any]:
         """Return what all exercises of a lesson rest on: the library and the solutions of earlier lessons."""
-        later = {_folder(each) for each in self.plans if each > name}
+        later = {_folder(each) for each in self.declarations if each > name}
         return {
             "name": name,
             "library": {file: kept for file, kept in self._library.items() if _owner(file) not in later},
@@ -197,6 +206,11 @@ class Proofs:
     def _taken(self, name: str) -> set[str]:
         """Return the names of the exercises of all other lessons."""
         return {each.name for other in self.plans if other != name for each in self.plans[other].exercises}
+
+    def _words_of_others(self, name: str) -> set[str]:
+        """Return all words in the declarations of other lessons; their plans need not be loaded to know them."""
+        files = (file for other, file in self.declarations.items() if other != name and file.is_file())
+        return {word for file in files for word in re.findall(r"\w+", file.read_text(encoding="utf-8"))}
 
     def _file(self, name: str) -> Path:
         return self.root / FOLDER / name

@@ -18,12 +18,13 @@ from nao_course.exercises import lesson_names
 from nao_course.exercises.case import Case
 from nao_course.exercises.checking import unpack
 from nao_course.exercises.earlier import resolved_by, split_use
-from nao_course.exercises.exercise import SECONDS, Exercise, MistakePair, PublicExercise, Written
+from nao_course.exercises.exercise import SECONDS, Exercise, LessonPlan, PublicExercise, Written
 from nao_course.exercises.notebook_text import read_cells
 from nao_course.exercises.outline import FOLDER as OUTLINES
 from nao_course.exercises.outline import read_outline
 from nao_course.instructor.authoring.course import Course, LessonError
 from nao_course.instructor.authoring.plans import hidden_cases, load_solution, publish, solutions_beside
+from nao_course.instructor.authoring.proofs import Proofs
 from nao_course.instructor.autograding.secret import keyed
 
 LIBRARY = Path(__file__).parents[2]
@@ -126,15 +127,9 @@ def prepare(course: Course, lesson: str, secret: bytes) -> Assignment:
     setup = _released_setup(course, name)
     reference = load_solution(notebook)
     with resolved_by(solutions_beside(notebook)):
-        public, pairs = publish(name, plan, reference, pairs=False).exercises, _built_pairs(course, name)
         tasks = tuple(
-            _task(
-                each,
-                replace(known, pairs=pairs.get(each.name, [])),
-                reference[each.name],
-                partial(keyed, secret, "hidden cases", name, each.name),
-            )
-            for each, known in zip(plan.exercises, public, strict=True)
+            _task(each, known, reference[each.name], partial(keyed, secret, "hidden cases", name, each.name))
+            for each, known in zip(plan.exercises, _published(course, name, plan, reference), strict=True)
         )
     earlier = tuple(
         EarlierLesson(each, course.solutions / f"{each}.ipynb", _released_setup(course, each))
@@ -218,9 +213,16 @@ def lessons_used(course: Course, lesson: str) -> list[str]:
     return sorted(found)
 
 
-def _built_pairs(course: Course, name: str) -> dict[str, list[MistakePair]]:
-    """Return the pairs of mistakes that `build` found; to find them again would take minutes."""
-    path = course.check_data(name)
+def _published(
+    course: Course, name: str, plan: LessonPlan, reference: Mapping[str, Callable[..., Any]]
+) -> list[PublicExercise]:
+    """Return what the public checks know of a lesson: as it was proven, or else, which takes up to a minute, made anew.
+
+    Pairs of mistakes are those that `build` found; to find them again would take minutes.
+    """
+    declarations = {each: course.declaration(each) for each in course.names()}
+    proofs = Proofs(course.root, declarations, {name: plan}, course.solutions)
+    path, proven = course.check_data(name), proofs.committed(name)
     try:
         built = unpack(path.read_bytes()).exercises if path.is_file() else []
     except (ValueError, zlib.error):
@@ -228,7 +230,11 @@ def _built_pairs(course: Course, name: str) -> dict[str, list[MistakePair]]:
         raise LessonError(
             f"{path.name} is damaged: run `nao-course build {number}` to write it again"
         ) from None
-    return {each.name: each.pairs for each in built}
+    if proven is not None:
+        return built
+    pairs = {each.name: each.pairs for each in built}
+    made = publish(name, plan, reference, pairs=False).exercises
+    return [replace(each, pairs=pairs.get(each.name, [])) for each in made]
 
 
 def _need(path: Path) -> None:
