@@ -71,7 +71,7 @@ def test_what_is_proven_is_proven_once_and_gives_the_same_bytes_also_in_a_fresh_
     assert first == second and unpack(first).name == NAME
     assert commit(place) == first and not (place / FOLDER).exists()
     found = proofs_of(place)
-    assert found.check_data(NAME) == first and found.is_vouched_for(NAME, first)
+    assert found.check_data(NAME) == first == found.committed(NAME) and found.is_vouched_for(NAME, first)
     assert proven == [NAME]
 
 
@@ -136,7 +136,7 @@ def test_after_a_change_of_what_a_proof_rests_on_it_is_proven_anew(place, proven
     data = commit(place)
     proofs_of(place).check_data(NAME)
     change(place)
-    assert not proofs_of(place).is_vouched_for(NAME, data)
+    assert not proofs_of(place).is_vouched_for(NAME, data) and proofs_of(place).committed(NAME) is None
     for _ in range(2):
         proofs_of(place).check_data(NAME)
     assert proven == [NAME, NAME]
@@ -185,6 +185,7 @@ def test_the_manifest_names_the_versions_and_another_version_is_proven_anew(plac
             if different:
                 patched.setattr(proofs, "version", lambda name: "another" if name == of else version(name))
             assert proofs_of(place).is_vouched_for(NAME, data)
+            assert (proofs_of(place).committed(NAME) is None) == different
             proofs_of(place).check_data(NAME)
         assert proven == [NAME] * proofs_made
 
