@@ -218,7 +218,7 @@ def _published(
 ) -> list[PublicExercise]:
     """Return what the public checks know of a lesson: as it was proven, or else, which takes up to a minute, made anew.
 
-    Pairs of mistakes are those that `build` found; to find them again would take minutes.
+    The pairs of mistakes are what `build` found; to find them again would take minutes.
     """
     declarations = {each: course.declaration(each) for each in course.names()}
     proofs = Proofs(course.root, declarations, {name: plan}, course.solutions)
