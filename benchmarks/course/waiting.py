@@ -27,6 +27,7 @@ from benchmarks import ROOT, Result, Table
 
 BEFORE = "19c84e2"
 LESSONS = ("00_meet_the_nao", "05_ekf_derivations", "07_ekf_slam", "11_slam_on_the_field")
+GRADED = ("01_hsl_filtering", "07_ekf_slam", "11_slam_on_the_field")
 ROUNDS = 3
 MOST_CELLS = 12  # in which a lesson's first figure is looked for
 SECONDS = 300.0  # for a cell
@@ -35,6 +36,15 @@ SECONDS = 300.0  # for a cell
 def command_seconds(root: Path, *words: str) -> float:
     """Return the processor seconds of a command of the course."""
     return module_seconds(root, "nao_course.cli", *words)
+
+
+def first_result_seconds(root: Path, lesson: str) -> float:
+    """Return the processor seconds until one student's notebook of a lesson is graded, the build's own solution."""
+    with tempfile.TemporaryDirectory() as folder:
+        student = Path(folder, "class", "student")
+        student.mkdir(parents=True)
+        shutil.copy2(root / "solutions" / f"{lesson}.ipynb", student)
+        return command_seconds(root, "grade", str(student.parent), "--out", str(Path(folder, "grades")))
 
 
 def module_seconds(root: Path, *words: str, seconds: float = SECONDS, worst: int = 1) -> float:
@@ -100,6 +110,8 @@ def measure(root: Path) -> dict[str, float]:
         "nao-course --help, s": command_seconds(root, "--help"),
         "nao-course check of lesson 02, s": command_seconds(root, "check", "notebooks/02_goalposts.ipynb"),
     }
+    for lesson in GRADED:
+        found[f"grade one notebook of lesson {lesson[:2]}, s"] = first_result_seconds(root, lesson)
     for lesson in LESSONS:
         found |= {f"{lesson[:2]} {what}": value for what, value in kernel_costs(root, lesson).items()}
     return found

@@ -79,6 +79,10 @@ def test_rubric_4_words_come_before_every_exercise_and_imports_are_public_folded
     cells = solved(name).cells
     for ordinal, _ in lesson_text.code_cells(solved(name), "exercise"):
         assert cells[ordinal - 1].cell_type == "markdown"
+    last = max(ordinal for ordinal, _ in lesson_text.code_cells(solved(name)))
+    texts = (each for each in cells[:last] if each.cell_type == "markdown")
+    open_words = (re.sub(r"<details>.*?</details>", "", each.source, flags=re.DOTALL) for each in texts)
+    assert max(len(each.split()) for each in open_words) <= 300, "a text before code has at most 300 words"
     for _, cell in lesson_text.code_cells(solved(name)):
         for node in ast.walk(ast.parse(lesson_text.python(cell))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("nao_course"):
