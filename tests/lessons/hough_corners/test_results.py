@@ -135,18 +135,14 @@ def matched_in(pictures, *detectors):
 @pytest.mark.slow
 def test_in_other_rooms_only_both_repairs_are_better_than_nothing_and_the_text_says_by_how_much():
     detectors = (OWN["find_corners"], with_a_larger_gap, with_centre_lines)
-    (first, edges, centres), costs = matched_in(other_rooms(), *detectors)
+    matches, costs = matched_in(other_rooms(), *detectors)
     nothing = np.array([len(picture.truth.corners) for picture in other_rooms()])
     intervals = [mean_interval(each - nothing) for each in costs]
     assert [high < 0 for _, high in intervals] == [False, False, True]
-    low, high = intervals[2]
-    quotes(TEXT, f"{low:.2f} to {high:.2f}", f"nothing, {costs[1].mean():.2f} against {nothing.mean():.2f}")
-    quotes(
-        TEXT,
-        f"{edges.false} false corners instead of {first.false}",
-        f"{edges.false - centres.false} of the {edges.false} false corners",
-        f"{edges.hits - centres.hits} of the {edges.hits} true ones",
-    )
+    rows = ("edges, gap 5", "edges, gap 10", "centre lines, gap 10")
+    for row, match, cost, (low, high) in zip(rows, matches, costs, intervals, strict=True):
+        difference = f"{(cost - nothing).mean():.2f} ({low:.2f} to {high:.2f})"
+        assert f"| {row} | {match.hits} | {match.false} | {cost.mean():.2f} | {difference} |" in TEXT
     for before, confirmed in ((costs[1], True), (costs[0], False)):
         difference = costs[2] - before
         low, high = mean_interval(difference)
@@ -218,7 +214,7 @@ def test_far_lines_are_merged_and_the_running_picture_gets_fewer_segments_as_the
 @pytest.mark.slow
 def test_it_is_so_in_the_pictures_of_the_challenge_too():
     unseen = [CHALLENGE.make(number) for number in CHALLENGE.seeds]
-    match, cost, _, (low, high) = against_nothing(unseen, with_centre_lines)
-    counts = f"{match.hits} corners with {match.false} false"
-    quotes(TEXT, counts, f"costs {cost:.2f}", f"{low:.2f} to {high:.2f}")
+    match, cost, less, (low, high) = against_nothing(unseen, with_centre_lines)
+    counts = f"{match.hits} | {match.false} | {cost:.2f} | {less:.2f} ({low:.2f} to {high:.2f})"
+    assert f"| centre lines, gap 10 | {counts} |" in TEXT
     assert high < 0
