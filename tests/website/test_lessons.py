@@ -95,7 +95,7 @@ def test_a_new_lesson_gets_a_row_and_a_removed_lesson_loses_its_row():
     new = replace(second, name="40_more", title="More", points=2.5, written=0, takes=(), about=about)
     lines = guide_with_lessons(GUIDE, [first, new]).splitlines()
     start = next(number for number, line in enumerate(lines) if line.startswith("| week | lesson |"))
-    assert lines[start + 2].startswith("| 1 | 00 Meet the NAO | 75 |")
+    assert lines[start + 2].startswith("| 1 | 00 Meet the NAO | 65 |")
     said = f"{second.needs} | {second.about['left_out']}"
     assert lines[start + 3] == f"| 2 | 40 More | {new.minutes} | - | 2.5 | - | {said} |"
     assert lines[start + 4] == ""
