@@ -386,6 +386,17 @@ POSE_RESIDUAL = Exercise(
             - zy =>
             c * ahead + s * left, -s * ahead + c * left => c * ahead + s * left - zx, -s * ahead + c * left - zy
             You rotate by the angle of z before you subtract its x and y. They are in the frame of the first pose, so subtract them first.
+        z subtracted twice: (y2 - y) - zx => (y2 - y) - 2 * zx
+            (y2 - y) - zy => (y2 - y) - 2 * zy
+            You subtract t_z more than once. Equation 9.4 subtracts it once, before the second rotation. With z as its pose, landmark_residual subtracts t_z already, so give it zeros as its measurement in both calls.
+        z subtracted again: c * ahead + s * left, -s * ahead + c * left => c * ahead + s * left - zx, -s * ahead + c * left - zy
+            You subtract t_z more than once. Equation 9.4 subtracts it once, before the second rotation. With z as its pose, landmark_residual subtracts t_z already, so give it zeros as its measurement in both calls.
+        z subtracted three times: (y2 - y) - zx => (y2 - y) - 2 * zx
+            (y2 - y) - zy => (y2 - y) - 2 * zy
+            c * ahead + s * left, -s * ahead + c * left => c * ahead + s * left - zx, -s * ahead + c * left - zy
+            You subtract t_z more than once. Equation 9.4 subtracts it once, before the second rotation. With z as its pose, landmark_residual subtracts t_z already, so give it zeros as its measurement in both calls.
+        a pose for a landmark: + landmark_residual(first, second, z[..., :2])
+            Your function fails even for one edge. landmark_residual expects a landmark (2,): if you give it a pose (3,), pass second[..., :2] and z[..., :2]. If you unpack poses, each has three numbers: x, y, theta = first.T.
         turned the wrong way: np.sin(theta) => np.sin(-theta)
             Your first rotation uses R instead of its transpose. To express the second pose in the frame of the first, rotate by minus the first heading, as in exercise 9.1.
         difference: c * ahead + s * left, -s * ahead + c * left => x2 - x - zx, y2 - y - zy
@@ -528,6 +539,16 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
         two rows only: s * dy], [0, 0, -1]] => s * dy]]
             c, 0], [0, 0, 1]] => c, 0]]
             Your matrices have two rows. The residual of a pose has three numbers: add the row of the angle.
+        the first has two rows: s * dy], [0, 0, -1]] => s * dy]]
+            Your Jacobian by the first pose has two rows. The third row, of the angle, is missing.
+        the second has two rows: c, 0], [0, 0, 1]] => c, 0]]
+            Your Jacobian by the second pose has two rows. The third row, of the angle, is missing.
+        as for a landmark: + return landmark_residual_jacobians(first + z * [0, 0, 1], second[..., :2], z[..., :2])
+            Your rotation is correct, but your matrices are (2, 3) and (2, 2). The third row, of the angle, is missing in both, and the second one has no column of theta.
+        as for a landmark, z's angle left out: + return landmark_residual_jacobians(first, second[..., :2], z[..., :2])
+            Your matrices are (2, 3) and (2, 2). The third row, of the angle, is missing in both, and the second one has no column of theta. Besides, the rotation is by theta plus the angle of z.
+        a pose for a landmark: + landmark_residual_jacobians(first, second, z)
+            Your function fails even for one edge. landmark_residual_jacobians expects a landmark (2,): if you give it a pose (3,), pass second[..., :2]. If you unpack poses, each has three numbers: x, y, theta = first.T.
         the second heading: theta + z.T[2] => second.T[2]
             You rotate by the second heading. The residual is in the frame of the pose that z predicts, so the angle is theta plus the angle of z; with errors this is not the second heading.
         theta of the second: [[c, s, 0], [-s, c, 0], => [[c, s, s * dx - c * dy], [-s, c, c * dx + s * dy],
@@ -679,6 +700,8 @@ LINEARIZE = Exercise(
             You use the inverse of the information, which is the covariance, so the least certain measurements get the largest weight. Use edges.information itself.
         no weights: J.mT @ edges.information => J.mT
             You compute JᵀJ and Jᵀe, so every measurement has the same weight. Multiply by Omega between the two factors.
+        H without weights: blocks.append(weighted @ J) => blocks.append(J.mT @ J)
+            b is correct, but H does not contain the information: H = Jᵀ Omega J.
         b without weights: shares = weighted => shares = J.mT
             H is correct, but b does not contain the information: b = Jᵀ Omega e.
         Jacobians exchanged: jacobians(*pairs) => jacobians(*pairs)[::-1]
@@ -866,7 +889,7 @@ GAUSS_NEWTON = Exercise(
         NumPy's solve: splu(H[free][:, free], "NATURAL", **SYMMETRIC).solve(b[free]) => np.linalg.solve(H[free][:, free], b[free])
             np.linalg.solve does not accept a sparse matrix. Use splu(...).solve(...), as in lesson 08.
         all states moved: states[free] -= => states -=
-            The step has three numbers fewer than the states, because the first pose does not move. Add it to states[3:], or to states[free].
+            If splu asks for a square matrix: H[3:][3:] removes six rows and no columns. Write H[3:, 3:]. If shapes do not fit: the step has three numbers fewer than the states, because the first pose does not move. Add it to states[3:], or to states[free].
         the last pose left: free = graph.elimination_order => free = np.arange(3, graph.size)
             states[free] -= => states[:-3] -=
             You add the step to all but the last three numbers. The first pose is fixed, so it belongs to states[3:].
@@ -1154,6 +1177,19 @@ REWEIGHT = Exercise(
             You use one weight for all edges, computed from the sum of all squared errors. Each edge has a weight of its own.
         without information: graph.squared_errors => replace(graph, information=np.sign(graph.information) * np.eye(3)).squared_errors
             You use the squared length of the residual without its information. The squared error is eᵀ Omega e.
+        the 1 left out: 1 / (1 + squares / width**2) => width**2 / squares
+            Your weight is c^2 / q. The 1 is missing: with 1 / (1 + q / c^2) an edge that fits well keeps its weight.
+        without information, poses only: + poses, at = graph.split(states)[0], graph.pose_edges
+            + squares = (pose_residual(poses[at.first], poses[at.second], at.z) ** 2).sum(axis=1)
+            + return replace(graph, information=graph.information / (1 + squares / width**2)[:, None, None])
+            You compute eᵀ e, and only for edges between poses. The squared error is eᵀ Omega e; graph.squared_errors returns it for all edges.
+        poses only: + poses, at = graph.split(states)[0], graph.pose_edges
+            + e = pose_residual(poses[at.first], poses[at.second], at.z)[:, :, None]
+            + squares = (e.mT @ at.information @ e)[:, 0, 0]
+            + return replace(graph, information=graph.information / (1 + squares / width**2)[:, None, None])
+            Your function is correct for edges between poses, but a graph may have landmarks, too. graph.squared_errors returns eᵀ Omega e of all edges.
+        information only: replace(graph, information=graph.information * weights[:, None, None]) => graph.information * weights[:, None, None]
+            You return the information matrices. Return a graph that has them: replace(graph, information=...).
         weights only: replace(graph, information=graph.information * weights[:, None, None]) => weights
             You return the weights. Return a graph whose information is multiplied by them.
         weights without axes: weights[:, None, None] => weights
@@ -1198,7 +1234,7 @@ PLAN = LessonPlan(
             "You invert the 3 by 3 block of H that belongs to a pose. What do you get?",
             {
                 "The covariance of that pose.": "The covariance is a block of the inverse. The inverse of a block is a different matrix.",
-                "The covariance that it would have if all other poses were known exactly.": "Right: the block contains only the pose's own edges. In the building its standard deviations are up to 27 times too small.",
+                "The covariance that it would have if all other poses were known exactly.": "Right: the block contains only the pose's own edges, so its inverse is smaller than the pose's covariance.",
                 "Nothing that has a meaning.": "It has a meaning: it is the uncertainty that remains if all other poses are known exactly. But in a map they are not.",
             },
             "The covariance that it would have if all other poses were known exactly.",
