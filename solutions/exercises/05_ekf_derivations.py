@@ -397,6 +397,8 @@ MOTION = Exercise(
             Your G is transposed, so it rotates the errors by -theta. Its first column is (cos, sin, 0).
         no noise across: return F, G => return F, G[:, [0, 2]]
             Your G has one column for d and one for alpha. There are three errors: along, across and in the turn.
+        no noise of the turn: return F, G => return F, G[:, :2]
+            Your G is (3, 2). The turn's error has a column, too: (0, 0, 1).
         F transposed: (theta)], [0, 0, 1]]) => (theta)], [0, 0, 1]]).T
             F is transposed. Rows belong to the new x, y, theta and columns to the old ones.
         without the ones: return F, G => return F - np.eye(3), G
@@ -503,12 +505,18 @@ COVARIANCE = Exercise(
             You add the old covariance unchanged. While the robot drives, an uncertain heading makes its position uncertain, so use F @ covariance @ F.T.
         no transposes: .T =>>
             Neither product has a transpose. A covariance is multiplied by the Jacobian on the left and by its transpose on the right.
+        no transpose, of the pose: covariance @ F.T => covariance @ F
+            Your first term is F @ P @ F. The Jacobian on the right is transposed: F @ P @ F.T.
+        no transpose, of the motion: covariance @ G.T => covariance @ G
+            Your second term is G @ Q @ G. The Jacobian on the right is transposed: G @ Q @ G.T.
         one side only, of the pose: covariance @ F.T => covariance
             Your first term is F @ P. A covariance is also multiplied by the transposed Jacobian on the right: F @ P @ F.T.
         one side only, of the motion: covariance @ G.T => covariance
             Your second term is G @ Q. A covariance is also multiplied by the transposed Jacobian on the right: G @ Q @ G.T.
         products of entries: @ =>> *
             In NumPy * multiplies entry by entry. The matrix product is @.
+        products of entries, of the pose: F @ covariance @ F.T => F * covariance * F.T
+            In your first term * multiplies entry by entry. The matrix product is @.
         products of entries, of the motion: G @ control_covariance @ G.T => G * control_covariance * G.T
             In your second term * multiplies entry by entry. The matrix product is @.
         an inverse: F @ covariance @ F.T => F @ covariance @ np.linalg.inv(F)
@@ -719,6 +727,10 @@ DERIVE = Exercise(
         atan2 the other way: atan2(dy, dx) => atan2(dx, dy)
             [[dy / q, -dx => [[-dy / q, dx
             Your model has atan2(dx, dy). y comes first.
+        atan2 the other way, the Jacobian right: atan2(dy, dx) => atan2(dx, dy)
+            Your Jacobian is right, but your model is not: atan2 takes y first.
+        range first, the Jacobian right: [sp.atan2(dy, dx) - theta, r] => [r, sp.atan2(dy, dx) - theta]
+            Your Jacobian is right, but your model is not: the bearing comes first, then the range.
         atan for atan2: atan2(dy, dx) => atan(dy / dx)
             Your Jacobian is right, but your model is not. atan(dy / dx) gives the same angle for a landmark ahead and one behind, and atan2(dy, dx) does not. Both have the same derivatives.
         from the landmark: atan2(dy, dx) => atan2(-dy, -dx)
