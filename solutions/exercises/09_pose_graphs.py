@@ -388,13 +388,13 @@ POSE_RESIDUAL = Exercise(
             You rotate by the angle of z before you subtract its x and y. They are in the frame of the first pose, so subtract them first.
         z subtracted twice: (y2 - y) - zx => (y2 - y) - 2 * zx
             (y2 - y) - zy => (y2 - y) - 2 * zy
-            You subtract t_z more than once. Equation 9.4 subtracts it once, before the second rotation. With z as its pose, landmark_residual subtracts t_z already, so give it zeros as its measurement in both calls.
+            You subtract t_z twice, before the second rotation. Equation 9.4 subtracts it once. If you use landmark_residual: with z as its pose it subtracts t_z already, so give it zeros as its measurement in both calls.
         z subtracted again: c * ahead + s * left, -s * ahead + c * left => c * ahead + s * left - zx, -s * ahead + c * left - zy
-            You subtract t_z more than once. Equation 9.4 subtracts it once, before the second rotation. With z as its pose, landmark_residual subtracts t_z already, so give it zeros as its measurement in both calls.
+            You subtract t_z again after the second rotation. Equation 9.4 subtracts it once, before it. If you use landmark_residual: with z as its pose it subtracts t_z already, so give it zeros as its measurement in both calls.
         z subtracted three times: (y2 - y) - zx => (y2 - y) - 2 * zx
             (y2 - y) - zy => (y2 - y) - 2 * zy
             c * ahead + s * left, -s * ahead + c * left => c * ahead + s * left - zx, -s * ahead + c * left - zy
-            You subtract t_z more than once. Equation 9.4 subtracts it once, before the second rotation. With z as its pose, landmark_residual subtracts t_z already, so give it zeros as its measurement in both calls.
+            You subtract t_z three times, twice before the second rotation and once after it. Equation 9.4 subtracts it once. If you use landmark_residual: with z as its pose it subtracts t_z already, so give it zeros as its measurement in both calls.
         a pose for a landmark: + landmark_residual(first, second, z[..., :2])
             Your function fails even for one edge. landmark_residual expects a landmark (2,): if you give it a pose (3,), pass second[..., :2] and z[..., :2]. If you unpack poses, each has three numbers: x, y, theta = first.T.
         turned the wrong way: np.sin(theta) => np.sin(-theta)

@@ -28,8 +28,8 @@ def test_the_text_says_how_good_the_approximations_are_and_its_worked_edge_is_th
     assert f"At 1 m and 1° it gives {100 * near_1:.1f} cm (exact: {100 * near_exact:.1f} cm)" in text("11")
     assert f"at 4 m and 2° {far_1:.2f} m (exact: {far_exact:.2f} m)" in text("11")
     inverse = 1 / (1 / far[0] - far[1] / CAMERA_HEIGHT) - far[0]
-    exact = f"the exact value is {far_exact:.2f} m, and equation 11.1 gave {far_1:.2f} m"
-    assert f"gives an error of {inverse:.2f} m; {exact}" in text("11")
+    others = f"(exact: {far_exact:.2f} m; equation 11.1: {far_1:.2f} m)"
+    assert f"predicts that the range is {inverse:.2f} m too long {others}" in text("11")
     assert f"at height $h$, here {CAMERA_HEIGHT:.3f} m" in text("11")
     b, r = 0.3, 2.0
     J = np.array([[-r * np.sin(b), np.cos(b)], [r * np.cos(b), np.sin(b)]])
