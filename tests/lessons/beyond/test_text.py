@@ -167,7 +167,7 @@ def test_the_text_says_how_often_particles_find_the_robot(own):
 
     assert [found(n) for n in (2000, 500, 5000)] == [18, 16, 20]
     assert "18 find the robot; with 500 particles 16 do, and with 5000 all twenty" in TEXT
-    assert "Of the 40 Kalman filters, 13 found it" in TEXT  # counted in test_figures.py
+    assert "13 of 40 end within 30 cm of the robot" in TEXT  # counted in test_figures.py
 
 
 def drawn(heading):
