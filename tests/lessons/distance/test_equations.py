@@ -1,5 +1,6 @@
 """The equations that lesson 04 displays, held against its solution, the library's camera, and sampling."""
 
+import re
 from dataclasses import replace
 from statistics import NormalDist
 
@@ -10,6 +11,7 @@ from nao_course.lessons.distance.looks import ahead, points_covariance, tilted_m
 from nao_course.lessons.distance.noise_figures import three_landmarks
 from nao_course.sim import CameraView
 from tests.lessons.distance.own import GEOMETRY, OWN, polar
+from tests.lessons.every import text
 
 
 def tilts_of(sigma, number):
@@ -83,6 +85,16 @@ def test_sampled_ranges_have_that_sigma_near_by_and_a_long_tail_far_away_as_the_
     short, long = np.abs(np.quantile(ranges[:, 2], [0.025, 0.975]) - 4.0)
     assert long > 1.5 * short
     assert ranges.mean(axis=0)[2] == pytest.approx(4.10, abs=0.02)
+    # What the text reads from one figure of 2000 pictures is typical of a thousand such figures.
+    tilts = np.radians(1.0) * np.random.default_rng(0).standard_normal((1000, 2000))
+    errors = view.height / np.tan(np.arctan2(view.height, 4.0) - tilts) - 4.0
+    stated = float(re.search(r"a standard deviation of ([\d.]+) m instead of", text("04"))[1])
+    low, high = np.quantile(errors.std(axis=1), [0.025, 0.975])
+    assert low < stated < high and high - low < 0.2
+    said = re.search(r"between ([\d.]+) m too short and ([\d.]+) m too long", text("04"))
+    for each, ends in zip(said.groups(), np.abs(np.quantile(errors, [0.025, 0.975], axis=1)), strict=True):
+        least, most = np.quantile(ends, [0.025, 0.975])
+        assert least - 0.05 < float(each) < most + 0.05, (each, least, most)
 
 
 @pytest.mark.asserts("eq-4-6")

@@ -30,7 +30,7 @@ def test_errors_by_tilt_their_sampled_shape_and_what_a_pixel_is_worth_are_those_
     assert found == pytest.approx([0.04, 0.15, 0.33, 0.58, 0.89], abs=0.011)
     sigma = OWN["range_sigma"]
     words = distance.draw_asymmetry(**GEOMETRY, range_sigma=sigma, tilt_sigma=np.radians(1)).alt
-    assert "at 4 m computed 0.592 m" in words and "mean +0.103 m" in words
+    assert "at 4 m computed 0.592 m" in words and "mean +0.103 m" in words and "-0.89 to +1.54" in words
     sampled = re.search(r"sampled ([\d.]+) m, 95 % from -([\d.]+) to \+([\d.]+) m, mean \+0.103", words)
     deviation, short, long = map(float, sampled.groups())
     assert f"a standard deviation of {deviation:.2f} m instead of 0.59 m" in text("04")
