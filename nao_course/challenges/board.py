@@ -6,6 +6,7 @@ import copy
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
+from math import comb
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from nao_course.plotting import Drawing, Table, table
 
 YOU = "you, best so far"
 THIS = "this entry"
+SIGNIFICANT = 0.05  # largest p-value of a difference that is not called chance
 
 
 class Board:
@@ -196,8 +198,8 @@ def _beside(challenge: Challenge, row: Row) -> list[str]:
 def _neighbours(run: Run) -> str:
     """Return the recorded rows next to a score, compared by the digits that are shown.
 
-    Two scores may differ by chance, so each row also contains in how many cases the better entry is better. If it is
-    better in no more than half of them, the sentence says so.
+    Two scores may differ by chance, so the sentence also counts the cases in which each is better, and gives the result
+    of a sign test on them. Equal cases say nothing about which is better and are left out.
     """
     challenge, score = run.challenge, run.score
     shown = {row.name: round(row.score, challenge.digits) for row in challenge.rows}
@@ -206,9 +208,9 @@ def _neighbours(run: Run) -> str:
     behind = [row for row in rows if challenge.beats(mine, shown[row.name])]
     level = [row for row in rows if shown[row.name] == mine]
     ahead = [row for row in rows if challenge.beats(shown[row.name], mine)]
-    said = [f"it is above {_named(challenge, row)}{_better_in(run, row, 1)}" for row in behind[-1:]]
+    said = [f"it is better than {_named(challenge, row)}{_in_cases(run, row, 1)}" for row in behind[-1:]]
     said += [f"it is level with {_named(challenge, row)}" for row in level[:1]]
-    said += [f"next is {_named(challenge, row)}{_better_in(run, row, -1)}" for row in ahead[:1]]
+    said += [f"next is {_named(challenge, row)}{_in_cases(run, row, -1)}" for row in ahead[:1]]
     first = "; ".join(said)
     return f"{first[0].upper()}{first[1:]}." if said else ""
 
@@ -217,15 +219,29 @@ def _named(challenge: Challenge, row: Row) -> str:
     return f'"{row.name}" ({challenge.say(row.score)})'
 
 
-def _better_in(run: Run, row: Row, sign: int) -> str:
-    """Return in how many cases an entry is better than a row, or worse with sign -1; empty if that is unknown."""
-    mine = [each.score for each in run.results]
+def _in_cases(run: Run, row: Row, sign: int) -> str:
+    """Return in how many cases an entry is better than a row and worse, or the reverse with sign -1."""
+    challenge, mine = run.challenge, [each.score for each in run.results]
     if len(row.cases) != len(mine):
         return ""
     pairs = [pair[::sign] for pair in zip(mine, row.cases, strict=True)]
-    count = sum(run.challenge.beats(one, other) for one, other in pairs)
-    said = f"better in {count} of {len(mine)} {run.challenge.case}s"
-    return f", {said}" if 2 * count > len(mine) else f", but {said}: this difference may be chance"
+    wins = sum(challenge.beats(one, other) for one, other in pairs)
+    losses = sum(challenge.beats(other, one) for one, other in pairs)
+    said = f"better in {_count(wins, challenge.case)} and worse in {losses}"
+    if not losses:
+        said = f"better in {'all ' if wins == len(mine) else ''}{_count(wins, challenge.case)}"
+    by_chance = challenge.sampled and _by_chance(wins, losses) > SIGNIFICANT
+    return f", {'which is ' if sign < 0 else ''}{said}" + (": this difference may be chance" if by_chance else "")
+
+
+def _by_chance(wins: int, losses: int) -> float:
+    """Return the p-value of a sign test: how likely equal entries differ by at least as many wins."""
+    count = wins + losses
+    return min(1.0, 2 * sum(comb(count, each) for each in range(wins, count + 1)) / 2**count)
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def _head(challenge: Challenge) -> tuple[str, str, str]:

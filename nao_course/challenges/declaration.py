@@ -119,6 +119,8 @@ class Challenge:
         Number of decimals of the score.
     case : str
         Noun for a case: "scene", "robot".
+    sampled : bool
+        Whether the cases are a random sample, so that a difference between two scores may be chance.
     name_of : callable
         ``name_of(seed)`` returns the name of a case.
     seconds, seconds_in_all : float
@@ -143,6 +145,7 @@ class Challenge:
     unit: str = ""
     digits: int = 2
     case: str = "scene"
+    sampled: bool = True
     name_of: Callable[[Any], str] = str
     seconds: float = 5.0
     seconds_in_all: float = 60.0

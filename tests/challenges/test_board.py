@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from nao_course.challenges import Board
 from nao_course.challenges.best import SUFFIX
-from nao_course.challenges.board import _better_in
+from nao_course.challenges.board import SIGNIFICANT, _by_chance, _in_cases
 from nao_course.plotting import Drawing
 from tests.challenges.example import CHALLENGE, COST, double
 
@@ -40,12 +40,12 @@ def test_the_best_so_far_takes_its_place_among_the_rows(board, tmp_path):
     assert board.table().rows[-1][1] == "-"
     report = board.enter(same)
     assert report.score == 0.5 and names(board.table()) == ["nothing", "you, best so far", "the reference"]
-    assert 'your first. It is above "nothing" (0.00), better in 2 of 3 scenes; next is' in repr(report)
+    assert 'your first. It is better than "nothing" (0.00), better in 2 scenes: this' in repr(report)
     table = report.table()  # its columns say how the score came about
     assert table.columns == ("", "score", "worst scene", "off")
     assert table.rows[1] == ("you, best so far", "0.50", "0.00", "0.5 m")
     better = repr(board.enter(double))
-    assert 'best so far; it was 0.50. It is above "the reference" (0.75), better in 2 of' in better
+    assert 'best so far; it was 0.50. It is better than "the reference" (0.75), better in 2' in better
     again = board.enter(double)
     assert "as good as your best so far" in repr(again) and "this entry" not in names(again.table())
     worse = board.enter(lambda numbers: 2.75 * numbers)
@@ -54,15 +54,26 @@ def test_the_best_so_far_takes_its_place_among_the_rows(board, tmp_path):
     assert Board(CHALLENGE, tmp_path).table().rows[-1][:3] == ("you, best so far", "1.00", "1.00")
 
 
-def test_a_score_that_is_shown_as_another_is_level_with_it_and_one_better_in_half_of_the_cases_chance(board):
+def test_a_score_that_is_shown_as_another_is_level_with_it_and_one_better_in_few_cases_chance(board):
     report = board.enter(lambda numbers: 2.5001 * numbers)
     assert report.score == pytest.approx(0.74995)
-    assert 'better in 3 of 3 scenes; it is level with "the reference" (0.75).' in repr(report)
+    assert 'better in all 3 scenes: this difference may be chance; it is level with' in repr(report)
     run = board.enter(same).run
     first, *others = (each.score for each in run.results)
     tied = replace(CHALLENGE.rows[0], cases=(first - 1.0, *(each + 1.0 for each in others)))
-    assert _better_in(run, tied, 1) == ", but better in 1 of 3 scenes: this difference may be chance"
-    assert _better_in(run, tied, -1) == ", better in 2 of 3 scenes"
+    chance = ": this difference may be chance"
+    assert _in_cases(run, tied, 1) == f", better in 1 scene and worse in 2{chance}"
+    assert _in_cases(run, tied, -1) == f", which is better in 2 scenes and worse in 1{chance}"
+    run = replace(run, challenge=replace(CHALLENGE, sampled=False))
+    assert _in_cases(run, tied, 1) == ", better in 1 scene and worse in 2"
+
+
+def test_a_difference_is_called_chance_by_a_sign_test_that_leaves_ties_out():
+    assert _by_chance(13, 2) == pytest.approx(2 * (105 + 15 + 1) / 2**15)  # whatever the number of ties
+    assert _by_chance(16, 14) > 0.8 and _by_chance(12, 8) > 0.5 and _by_chance(2, 13) == 1.0
+    assert _by_chance(5, 0) > SIGNIFICANT >= _by_chance(6, 0)
+    drawn = np.random.default_rng(4).integers(2, size=(20_000, 30)).sum(axis=1)  # equal entries on thirty scenes
+    assert 0.02 < np.mean([_by_chance(wins, 30 - wins) <= SIGNIFICANT for wins in drawn]) < 0.03  # one side of 5 %
 
 
 def test_a_cost_is_better_the_smaller_it_is_and_has_a_unit(tmp_path):

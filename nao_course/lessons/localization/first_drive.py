@@ -50,16 +50,14 @@ class BearingRecord(NamedTuple):
 
 
 class GivenFilter:
-    """A localisation filter whose parts can be replaced by the student's.
+    """A localisation filter whose `innovation` can be replaced by the student's.
 
-    By default it uses its own `innovation` and `kalman_update`; `records` has a `BearingRecord` for each measurement so
-    far.
+    `records` has a `BearingRecord` for each measurement so far.
     """
 
-    def __init__(self, innovation: Function | None = None, kalman_update: Function | None = None) -> None:
+    def __init__(self, innovation: Function | None = None) -> None:
         """Begin without a measurement."""
         self._innovation = innovation or _given_innovation
-        self._update = kalman_update or _update_by_information
         self.records: list[BearingRecord] = []
 
     def localize(
@@ -74,12 +72,9 @@ class GivenFilter:
         expected, jacobian = linearised(pose, landmark)
         difference = checked(self._innovation(expected.copy(), measured.copy()), (2,), "innovation")
         self.records.append(BearingRecord(expected[0], measured[0], difference[0]))
-        answer = self._update(pose.copy(), covariance.copy(), difference, jacobian, noise.copy())
-        if not isinstance(answer, tuple | list) or len(answer) != 2:
-            raise ValueError(f"kalman_update must return (mean, covariance), got {type(answer).__name__}")
-        new = checked(answer[0], (3,), "kalman_update: mean")
+        new, after = _update_by_information(pose, covariance, difference, jacobian, noise)
         new[2] = wrap_angle(new[2])
-        return new, checked(answer[1], (3, 3), "kalman_update: covariance")
+        return new, after
 
 
 def _given_innovation(expected: FloatArray, measured: FloatArray) -> FloatArray:
@@ -112,17 +107,15 @@ def _move_covariance(
 
 
 def run_first_drive(
-    innovation: Function | None = None,
-    kalman_update: Function | None = None,
-    localize: Function | None = None,
+    innovation: Function | None = None, localize: Function | None = None
 ) -> tuple[Trace, list[BearingRecord]]:
     """Run the given filter along the first drive.
 
-    `innovation` and `kalman_update` replace parts of it, `localize` all of it, and then there are no records of the
-    bearings as the filter computed them.
+    `innovation` replaces a part of it, `localize` all of it, and then there are no records of the bearings as the filter
+    computed them.
     """
     drive, error = lap(FIRST)
-    given = GivenFilter(innovation, kalman_update)
+    given = GivenFilter(innovation)
     trace = follow(drive, localize or given.localize, _move, _move_covariance, error=error)
     return trace, given.records
 
@@ -137,14 +130,13 @@ def draw_first_drive(
     innovation: Function | None = None,
     nees: Function | None = None,
     covariance_ellipse: Function | None = None,
-    kalman_update: Function | None = None,
     localize: Function | None = None,
 ) -> Drawing:
     """Draw the first drive as a filter estimates it; parts that the student has written replace the given ones.
 
     Parameters
     ----------
-    innovation, nees, covariance_ellipse, kalman_update, localize : callable, optional
+    innovation, nees, covariance_ellipse, localize : callable, optional
         The student's functions.
 
     Returns
@@ -154,8 +146,8 @@ def draw_first_drive(
     """
     broken, _ = run_first_drive()
     trace = broken
-    if innovation or kalman_update or localize:
-        trace, _ = run_first_drive(innovation, kalman_update, localize)
+    if innovation or localize:
+        trace, _ = run_first_drive(innovation, localize)
     figure = Figure(figsize=(10.6, 5.0))
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
     _plot_map(left, trace, covariance_ellipse)

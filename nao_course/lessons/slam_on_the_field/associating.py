@@ -82,7 +82,7 @@ def draw_matching(associate: Associate, associate_jointly: Associate) -> Drawing
         x = np.arange(1, RUNS + 1) + 0.4 * number - 0.2
         share = 100 - 100 * wrong[name].sum() / count
         ax.bar(x, wrong[name], 0.38, color=colour, label=f"{name}: {share:.1f} % right", zorder=3)
-    ax.set(xlabel="picture", ylabel="wrong matches", xlim=(0.4, RUNS + 0.6), ylim=(0, None))
+    ax.set(xlabel="picture", ylabel="wrong measurements", xlim=(0.4, RUNS + 0.6), ylim=(0, None))
     ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     legend_below(figure, ax.get_legend_handles_labels()[0])
     said = "; ".join(f"{name} {100 - 100 * each.sum() / count:.1f} %" for name, each in wrong.items())
