@@ -612,6 +612,8 @@ SEGMENT_INTERSECTION = Exercise(
             You always extend by 5 pixels. Use the argument reach.
         the other sign of s: (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
             You miss crossings that exist. The usual cause is an s with the wrong sign: put the numbers of the text into your formula, which must give -0.081.
+        both the wrong way round: w = q - p => w = p - q
+            Both of your parameters have the wrong sign. The vector in t and s is Q - P, from the first start to the second.
         one length for both: -reach <= s * m <= m + reach => -reach <= s * n <= n + reach
             You divide reach by the same length for both segments. Each segment has its own length.
         divided by the other length
@@ -637,7 +639,7 @@ SEGMENT_INTERSECTION = Exercise(
         reach as a part: -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t <= 1 + reach and -reach <= s <= 1 + reach
             You compare reach, which is in pixels, with the parameter, which is a fraction of the length. Divide reach by the length first.
         parallel by chance: np.sin(np.radians(10)) * n * m => 0
-            You return a crossing of segments that are less than 10 degrees apart. These are mostly the two edges of one line: return None. If you do test the angle, is your 10 in radians?
+            You return a crossing of segments that are less than 10 degrees apart. These are mostly the two edges of one line: return None. If you do test D x E, it also contains both lengths: compare its absolute value with the product of the lengths times np.sin(np.radians(10)).
         the first length twice: np.sin(np.radians(10)) * n * m => np.sin(np.radians(10)) * n * n
             You compare D x E with the square of the first length, so a long segment is parallel to every short one. Multiply the lengths of both segments.
         the second length twice: np.sin(np.radians(10)) * n * m => np.sin(np.radians(10)) * m * m
@@ -1021,7 +1023,7 @@ FIND_CORNERS = Exercise(
         doubles kept: remove_doubles(points[inside], 10.0) => points[inside]
             You return several points for one corner, because each line has two edges. Call remove_doubles at the end.
         nothing at all: + return np.zeros((0, 2))
-            You find no corner in any picture. Look at the result of each step: the labels after erasing, the line picture, and the number of segments.
+            You find no corner in any picture. hough_segments needs the line picture of 0 and 255: Canny finds almost no step between labels 1 and 3. If it has it, look at the result of each step: the labels after erasing, the line picture, and the number of segments.
         the first only: 10.0) => 10.0)[:1]
             You return one corner. Return all of them, shape (K, 2).
         outside kept: points[inside] => points
@@ -1268,6 +1270,8 @@ MERGE_EDGES = Exercise(
             Your line is on the wrong side if the second edge lies on the other side of the first. The sign of the distance says which side it is: take the absolute value only to compare it with 1 and max_width.
         ends averaged: [*(centre + min(0, along.min()) * d), *(centre + max(length, along.max()) * d)] => [*((p + q[0]) / 2), *((end + q[1]) / 2)]
             You average the ends of the two segments. The second segment may run the other way, and one of the two may be longer. Keep the direction of the first segment, and extend it from the first end of the two to the last.
+        ends averaged in one direction: [*(centre + min(0, along.min()) * d), *(centre + max(length, along.max()) * d)] => [*((p + q[along.argmin()]) / 2), *((end + q[along.argmax()]) / 2)]
+            You average the ends of both segments, so your line is too short if one of them begins or ends farther away. Move the first segment sideways, and extend it from the first end of the two to the last.
         not perpendicular: - d[1] * (q - p)[:, 0] => + d[1] * (q - p)[:, 0]
             np.array([-d[1], d[0]]) => np.array([d[1], d[0]])
             You measure across the segment with (d_v, d_u), which is not perpendicular to it. One sign must change: (-d_v, d_u).

@@ -126,6 +126,9 @@ MEASUREMENT = Exercise(
             Without points your answer is an empty list, shape (0,). It should have shape (0, 2): compute with whole columns, or add .reshape(-1, 2).
         rows of NaN removed: + points = points[~np.isnan(points).any(axis=1)]
             You remove the rows of NaN, so rows and points no longer correspond. Keep these rows; np.arctan2 and np.hypot return NaN for them.
+        rows for columns: points[:, 0] =>> points[0]
+            points[:, 1] =>> points[1]
+            points[0] is the first point, not all x. The columns are points[:, 0] and points[:, 1].
         one number beside a column: np.hypot(points[:, 0], points[:, 1]) => np.linalg.norm(points)
             np.linalg.norm(points) is a single number for the whole array. Use axis=1, or np.hypot(x, y).
     """),
@@ -256,6 +259,9 @@ DISTANCE = Exercise(
             You remove the lens distortion, but the paper does not. Use the pixels as they are.
         the head's yaw: np.cos(horizontal) => np.cos(horizontal - view.yaw)
             You use the head's yaw. The paper's horizontal angle is measured from the middle of the picture.
+        rows for columns: pixels[:, 0] => pixels[0]
+            pixels[:, 1] => pixels[1]
+            pixels[0] is the first pixel, not all u. The columns are pixels[:, 0] and pixels[:, 1].
         taken for degrees: np.tan(vertical) / np.cos(horizontal) => np.tan(np.radians(vertical)) / np.cos(np.radians(horizontal))
             You convert the angles to radians, but all angles of the view are in radians already.
     """),
@@ -302,6 +308,12 @@ BEARING = Exercise(
             You divide by the width minus one. The field of view spans all pixels from edge to edge, so divide by the width.
         brackets: (width / 2 - 0.5 - pixels[:, 0]) => width / 2 - (0.5 + pixels[:, 0])
             Brackets are missing. Compute the difference of the pixels first, and then multiply it by the angle per pixel.
+        a row for a column: pixels[:, 0] => pixels[0]
+            pixels[0] is the first pixel, not all u. The columns are pixels[:, 0] and pixels[:, 1].
+        a width of 320: width = view.size[0] => width = 320
+            Your bearings are right only in pictures that are 320 pixels wide. The width is view.size[0].
+        the middle at 159.5: width / 2 - 0.5 - pixels => 159.5 - pixels
+            Your middle, 159.5, is right only in pictures that are 320 pixels wide. Compute it from view.size[0].
         twice the angle: view.hfov => 2 * view.hfov
             Your angles are twice as large as they should be. The field of view spans the whole width, not half of it.
     """),
@@ -612,6 +624,17 @@ COVARIANCE = Exercise(
             You move u and v together. The first argument of measured is a pair: (0.01, 0) moves u alone.
         overlapping blocks: range(0, len(g), 2) => range(len(pixels))
             Your blocks overlap. The block of landmark i begins at row 2 i, so use range(0, len(g), 2).
+        blocks at i: R[i : i + 2, i : i + 2] += => R[i // 2 : i // 2 + 2, i // 2 : i // 2 + 2] +=
+            Your blocks overlap. The block of landmark i begins at row and column 2 i of R, not at i.
+        blocks at i, the later one kept: R = tilt_sigma**2 * np.outer(g, g) => R = np.zeros((len(g), len(g)))
+            R[i : i + 2, i : i + 2] += => R[i // 2 : i // 2 + 2, i // 2 : i // 2 + 2] =
+            return R => return R + tilt_sigma**2 * np.outer(g, g)
+            Your blocks overlap, and each replaces a part of the one before. The block of landmark i begins at row and column 2 i of R, not at i.
+        overlapping blocks, the later one kept: R = tilt_sigma**2 * np.outer(g, g) => R = np.zeros((len(g), len(g)))
+            range(0, len(g), 2) => range(len(pixels))
+            R[i : i + 2, i : i + 2] += => R[i : i + 2, i : i + 2] =
+            return R => return R + tilt_sigma**2 * np.outer(g, g)
+            Your blocks overlap, and each replaces a part of the one before. The block of landmark i begins at row 2 i, so use range(0, len(g), 2).
         blocks replaced: R[i : i + 2, i : i + 2] += => R[i : i + 2, i : i + 2] =
             Your blocks replace the part of the tilt on the diagonal. Add them to it.
         differences not divided: / 0.02 =>> / 1
@@ -643,6 +666,10 @@ COVARIANCE = Exercise(
             You ignore the effect of the tilt on bearings. Beside the middle column it changes them, too.
         the Jacobian transposed: J @ J.T => J.T @ J
             You compute Jᵀ J. The rows of J belong to the measurement and its columns to the pixel, so a block is J Jᵀ.
+        the Jacobian element by element: J @ J.T => J * J.T
+            J * J.T multiplies element by element. The matrix product is J @ J.T.
+        tilt taken for degrees: tilt_sigma**2 => np.radians(tilt_sigma) ** 2
+            You convert tilt_sigma to radians, but it is in radians already.
         v alone: np.column_stack([by_u[i : i + 2], by_v[i : i + 2]]) => by_v[i : i + 2, None]
             You use only errors of v. The errors of u cause most of the bearing's error.
         diagonal of the Jacobian: J @ J.T => np.diag(np.diag(J) ** 2)
@@ -798,6 +825,10 @@ PITCH = Exercise(
         ranges from the robot: + below = np.arctan((view.undistort(pixels)[:, 1] - view.centre[1]) / view.focal[1])
             + return np.mean(np.arctan2(view.height, np.hypot(*ground_points.T)) - view.pitch - below)
             You treat each pixel as if it were in the middle column of a camera at the robot's centre. Use view.project or your pixel_to_ground, which are also right to the sides and with an offset.
+        mean error in v: + return float(np.mean(view.project(ground_points)[:, 1] - pixels[:, 1]) / view.focal[1])
+            You divide the mean error of v by the focal length. One pixel is an angle of 1 / f only near the middle of the picture, and a roll or a turn changes it too. Compare pixels with view.project for many offsets.
+        mean error in v, the wrong sign: + return float(np.mean(pixels[:, 1] - view.project(ground_points)[:, 1]) / view.focal[1])
+            Your offset has the wrong sign: if the camera looks lower than assumed, the points appear higher, at a smaller v. An error of v divided by the focal length is also accurate only near the middle of the picture. Compare pixels with view.project for many offsets.
         nothing: + return 0.0
             Your offset is always 0. Does your search end at its start?
         whole degrees: return float(least_squares(misses, [0.0]).x[0]) => return float(np.radians(np.round(np.degrees(least_squares(misses, [0.0]).x[0]))))

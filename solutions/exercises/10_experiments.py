@@ -49,6 +49,8 @@ PAYING_PRECISION = Exercise(
     mistakes=catalogue("""
         the miss that is spared forgotten: (false + missed - hit) => (false - hit)
             You compare a report with no cost at all. If there is a corner, reporting nothing costs `missed`.
+        no brackets: false / (false + missed - hit) => false / false + missed - hit
+            The denominator needs brackets, because division comes before addition: false / (false + missed - hit).
         each point that is not reported is missed: return false / (false + missed - hit) => return (false - missed) / (false - hit)
             You charge `missed` for each point that is not reported. It is only due if there is a corner, with probability p.
         costs as numbers of reports: return false / (false + missed - hit) => return hit / (hit + false)
@@ -224,6 +226,8 @@ DETECTION_COST = Exercise(
         no corner in the picture: axis=2) => axis=2)
             + apart.min(initial=np.inf) if not len(detected) else apart.min()
             Your function fails if there are reports but no corners, because an empty array has no smallest value. In this case all reports are false.
+        the smallest when no pair is left: while apart.size and apart.min() => while apart.min()
+            Your loop fails when no pair is left, because an empty array has no smallest value. Test the size of the distances first.
         in the order of the reports: np.unravel_index(apart.argmin(), apart.shape) => np.argwhere(apart <= tolerance)[0]
             You assign corners to the reports in the order of the reports, even if another report is closer. Start with the closest pair of all, so that the order does not matter.
         each report in turn: report, corner = np.unravel_index(apart.argmin(), apart.shape) => report = (apart <= tolerance).any(axis=1).argmax()
@@ -401,6 +405,8 @@ GRID_SEARCH = Exercise(
         side by side: product(betas, gaps, lengths) => zip(betas, gaps, lengths)
             product(gaps, lengths) => [each[1:] for each in table if each[0] == beta]
             You combine the first beta with the first gap and the first length, and so on. Use itertools.product to get all combinations.
+        gaps and lengths side by side: for gap, length in product => for gap, length in zip
+            zip pairs the gaps and lengths element by element. Use product(gaps, lengths) to get all combinations.
         another order of the key: {setting: np.array(costs) for setting, costs => {(b, n, g): np.array(costs) for (b, g, n), costs
             Your keys are (beta, length, gap). They should be (beta, gap, length).
         an array: {setting: np.array(costs) for setting, costs in table.items()} => np.array(list(table.values()))
@@ -493,6 +499,8 @@ BOOTSTRAP_INTERVAL = Exercise(
             The ends of your interval vary too much between generators. Draw at least 2000 resamples.
         without replacement: values[drawn].mean(axis=1) => rng.permuted(np.tile(values, (2000, 1)), axis=1).mean(axis=1)
             All your resamples have the same mean, because you draw without replacement and each contains every value once. Draw with replacement.
+        choice without replacement: rng.integers(0, len(values), (2000, len(values))) => rng.choice(len(values), (2000, len(values)), replace=False)
+            You draw with replace=False. A bootstrap draws with replacement, so leave this argument out.
         always 95 per cent: + probability = 0.95
             Your interval always contains 95 % of the means. Use the argument `probability`.
         half of the probability: (1 - probability) / 2 => probability / 2
@@ -747,6 +755,10 @@ ERROR_BUDGET = Exercise(
     mistakes=catalogue("""
         one source at a time: return K @ D @ K.T, K @ by_tilt @ K.T => return np.linalg.inv(H.T @ np.linalg.inv(D) @ H), np.linalg.inv(H.T @ W @ H)
             You compute each part as if there were no other source of error, with weights for this source alone. Use the weights of the whole R in both parts.
+        each source with its own inverse: return K @ D @ K.T, K @ by_tilt @ K.T => return np.linalg.inv(H.T @ np.linalg.inv(D) @ H), np.linalg.inv(H.T @ np.linalg.inv(by_tilt) @ H)
+            Your first part uses the weights D^-1. The robot does not know which error occurred, so use R^-1 in both parts.
+        K without W: np.linalg.inv(H.T @ W @ H) @ H.T @ W => np.linalg.inv(H.T @ W @ H) @ H.T
+            Your K is P Hᵀ. It also needs the weights: K = P Hᵀ W.
         weighed by the pixels: D + by_tilt => D
             Your weights contain only the pixels' errors. Use the inverse of the whole R, which includes the tilt.
         the covariance as weights: np.linalg.inv(D + by_tilt) => (D + by_tilt)

@@ -123,6 +123,14 @@ RESAMPLE = Exercise(
             + drawn = rng.choice(n, n - copies.sum(), p=others / others.sum() if others.sum() else None)
             + return np.concatenate([np.repeat(np.arange(n), copies), drawn])
             You copy each particle floor(N w) times and draw the others with rng.choice. This is residual resampling, which can copy a particle more than ceil(N w) times. Shift one comb by a single random number instead.
+        one interval on: + n, kept, i = len(weights), [], 0
+            + ends = np.cumsum(weights)
+            + for tooth in (np.arange(n) + rng.random()) / n:
+            +     if tooth > ends[i]:
+            +         i += 1
+            +     kept.append(i)
+            + return np.array(kept)
+            You go on by at most one interval for each tooth. The next tooth can lie several intervals farther on: use while instead of if.
         teeth from one: np.arange(n) + rng.random() => np.arange(1, n + 1) + rng.random()
             Your teeth are 1/N too far to the right, and the last one is beyond the line. In equation 12.1 j goes from 0 to N - 1.
         not shifted: (np.arange(n) + rng.random()) / n => np.arange(n) / n
@@ -1173,6 +1181,12 @@ CHOOSE_MOVE = Exercise(
             You sum all four entries of the block for x and y. Sum only the two variances on its diagonal.
         norm of the block: after[1][0, 0] + after[1][1, 1] => np.linalg.norm(after[1][:2, :2])
             You compare np.linalg.norm of the block for x and y, which squares its entries. Equation 12.7 is the sum of the two variances.
+        empty options last: variances.append(after[1][0, 0] + after[1][1, 1]) => variances.append(after[1][0, 0] + after[1][1, 1] if option.indices else np.inf)
+            You skip the options that show nothing. Such an option still has a covariance after its move: skip the update, not the option.
+        empty options left out: variances.append(after[1][0, 0] + after[1][1, 1]) => variances += [after[1][0, 0] + after[1][1, 1]] if option.indices else []
+            You leave out the options that show nothing, so the other indices change. Such an option still has a covariance after its move: skip the update, not the option.
+        all sums: return int(np.argmin(variances)) => return variances
+            You return the list of all sums. Return the index of the smallest one: np.argmin.
         most landmarks: after[1][0, 0] + after[1][1, 1] => -len(option.indices)
             You choose the move with the most landmarks in view. One landmark with a small covariance can help more than three uncertain ones, so compare the covariances.
     """),
