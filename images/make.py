@@ -64,15 +64,12 @@ def house() -> Files:
 
 
 def real_building() -> Files:
-    """A graph of the recordings, relaxed by lesson 09's solution."""
+    """A graph of a real building, relaxed by lesson 09's solution."""
     from nao_course.instructor.authoring.plans import load_solution
     from nao_course.lessons.pose_graphs import draw_real_building
 
     solution = load_solution(Path("solutions", "09_pose_graphs.ipynb"))
-    drawing = draw_real_building(solution["gauss_newton"])
-    if isinstance(drawing, str):
-        raise FileNotFoundError(drawing)
-    return in_lessons("09_intel.png", drawing.image())
+    return in_lessons("09_intel.png", draw_real_building(solution["gauss_newton"]).image())
 
 
 def real_walk() -> Files:

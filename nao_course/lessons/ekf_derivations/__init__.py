@@ -11,6 +11,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "limits": ("draw_limits", "limit_of_mean", "measure_limits"),
         "mistakes": ("MISTAKES",),
         "panel": ("LinearisationPanel",),
+        "real_walk": ("draw_real_measurements",),
         "report": ("draw_two_landmarks", "report_costs"),
         "sheets": ("motion_sheet", "position_sheet"),
     },

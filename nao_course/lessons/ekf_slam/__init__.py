@@ -17,6 +17,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "loop": ("draw_loop", "last_deviation"),
         "noise": ("joint_noise",),
         "panel": ("FilmPanel",),
+        "real_walk": ("draw_real_map",),
         "starts": ("draw_starts",),
     },
 )

@@ -18,6 +18,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         ),
         "matrices": ("draw_correlations", "draw_fill_in", "draw_marginalised"),
         "panel": ("GraphPanel",),
+        "real_building": ("draw_real_building",),
         "residuals": ("dead_reckoning", "draw_drive", "draw_residuals", "filtered", "residuals"),
         "systems": ("Builders", "assemble", "map_error", "solve_axes", "solved"),
     },

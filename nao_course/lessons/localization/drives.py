@@ -40,9 +40,9 @@ class LandmarkMeasurement:
     covariance: FloatArray
 
 
-def measurements_of(step: Step) -> list[LandmarkMeasurement]:
+def measurements_of(step: Step, landmarks: FloatArray = LANDMARKS) -> list[LandmarkMeasurement]:
     """Return the measurements of a step of a drive, one by one."""
-    rows = zip(LANDMARKS[step.numbers], step.measurements, step.covariances, strict=True)
+    rows = zip(landmarks[step.numbers], step.measurements, step.covariances, strict=True)
     return [LandmarkMeasurement(*row) for row in rows]
 
 
@@ -127,7 +127,7 @@ def follow(
     for number, step in enumerate(drive.steps[1:], start=1):
         given = step.control, step.control_covariance
         pose, cov = predicted(predict_pose, predict_covariance, pose, cov, *given)
-        for seen in measurements_of(step):
+        for seen in measurements_of(step, drive.landmarks):
             difference, S = expected_innovation(pose, cov, seen)
             innovations.append(difference)
             innovation_covariances.append(S)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course._internal.counts import say_count
-from nao_course.datasets import data_folder, read_g2o
+from nao_course.datasets.intel import FILE, intel_graph
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 from nao_course.lessons.pose_graphs.robust import CLOSURE, robust_gauss_newton
@@ -33,7 +33,6 @@ from nao_course.plotting.style import FOUND, GREY, style_of
 Function = Callable[..., Any]
 GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
 
-INTEL = "slam/g2o/openslam_intel.g2o"  # under the recordings
 _TRUTH = Line2D([], [], color=STYLES["truth"].colour, lw=1.2, alpha=0.45, label="true path")
 _CLOSURES = Line2D([], [], color=CLOSURE, lw=1.4, label="closure")
 _LANDMARKS = [
@@ -309,31 +308,21 @@ def drift_that_climbs(gauss_newton: GaussNewton) -> float:
     return (low + high) / 2
 
 
-# --- a real building: the Intel Research Lab in Seattle, from the recordings ---
+# --- a real building: the Intel Research Lab in Seattle ---
 
 
-def intel_graph(file: Path | str | None = None) -> tuple[Graph, FloatArray]:
-    """Return the graph of 943 poses in the Intel Research Lab, and its states (2829,) by odometry alone.
-
-    `file` is in g2o's format, by default from the recordings. A missing file raises a FileNotFoundError that says what
-    to do, and a file without a graph raises a ValueError.
-    """
-    graph, states = read_g2o(file or data_folder() / INTEL)
-    follows = np.flatnonzero(graph.edges[:, 1] == graph.edges[:, 0] + 1)
-    order = follows[np.argsort(graph.edges[follows, 0], kind="stable")]
-    first = order[np.unique(graph.edges[order, 0], return_index=True)[1]]
-    return graph, chained(states[:3], graph.measurements[first]).ravel()
+def real_building(file: Path | str = FILE) -> tuple[Graph, FloatArray]:
+    """Return the graph of the Intel Research Lab, and its states (2829,) by odometry alone."""
+    graph, stored, steps = intel_graph(file)
+    return graph, chained(stored[:3], steps).ravel()
 
 
 @course_style()
 def draw_real_building(
-    gauss_newton: GaussNewton, file: Path | str | None = None, steps: tuple[int, ...] = (0, 1, 3)
-) -> Drawing | str:
-    """Draw how the graph of a real building relaxes from its odometry, or say that the recordings are missing."""
-    try:
-        graph, states = intel_graph(file)
-    except (FileNotFoundError, ValueError) as error:
-        return f"The picture above was made by the solution. {error}"
+    gauss_newton: GaussNewton, file: Path | str = FILE, steps: tuple[int, ...] = (0, 1, 3)
+) -> Drawing:
+    """Draw how the graph of a real building relaxes from its odometry."""
+    graph, states = real_building(file)
     said = []
     figure = Figure(figsize=(12.0, 4.3))
     axes = figure.subplots(1, len(steps))

@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from nao_course.datasets import data_folder
 from nao_course.geometry import FloatArray
 from nao_course.lessons.pose_graphs.figures import (
-    INTEL,
     Function,
-    intel_graph,
     map_keys,
     plot_graph,
+    real_building,
     say_chi2,
 )
 from nao_course.lessons.pose_graphs.matrices import block_picture
@@ -37,14 +35,8 @@ from nao_course.widgets import Choice, Legend, PlayerPanel, Slider
 STEPS = 10
 PACE = 1.4  # steps in a second, while it plays
 ROOM = 0.2  # of a map's size, around it
-REAL = "a real building, recorded"  # offered only where the recordings are
+REAL = "a real building, recorded"
 LOOP, ROOM_OF_LOOP = "a loop that drifted by 90°", 1.3  # its first step throws it far out
-_WORLDS = {
-    "a building": lambda: building(5, 240),
-    "a building, one false closure": lambda: with_false_closures(building(5, 240), 1, 2),
-    LOOP: lambda: drifting_loop(np.pi / 2),
-    "the half field": lambda: field_drive(1),
-}
 _GUESSES = {
     "odometry": (0.0, 0.0),
     "each position off at random, σ 100 m": (100.0, 0.0),
@@ -59,23 +51,23 @@ _FUNCTIONS = (*_PARTS, "linearize", "gauss_newton")
 
 def _recorded() -> World:
     """Return the graph of the Intel Research Lab, with the map of smallest chi2 in place of the unknown truth."""
-    graph, odometry = intel_graph()
+    graph, odometry = real_building()
     return World(graph, given_gauss_newton(graph, odometry, 4)[0], odometry)
+
+
+_WORLDS = {
+    "a building": lambda: building(5, 240),
+    "a building, one false closure": lambda: with_false_closures(building(5, 240), 1, 2),
+    LOOP: lambda: drifting_loop(np.pi / 2),
+    "the half field": lambda: field_drive(1),
+    REAL: _recorded,
+}
 
 
 @cache
 def world_named(name: str) -> World:
     """Return one of the panel's worlds, which is made only once."""
-    return _recorded() if name == REAL else _WORLDS[name]()
-
-
-def world_names() -> tuple[str, ...]:
-    """Return the names of the worlds that can be chosen; the recorded one only if there are recordings."""
-    try:
-        there = (data_folder() / INTEL).is_file()
-    except FileNotFoundError:
-        there = False
-    return (*_WORLDS, REAL) if there else tuple(_WORLDS)
+    return _WORLDS[name]()
 
 
 def initial_estimate(world: World, name: str) -> FloatArray:
@@ -111,7 +103,7 @@ class RelaxPanel(PlayerPanel):
                 "step", "Step", 0, STEPS, 1, 0, tooltip="Gauss-Newton steps; the arrow keys go on and back"
             ),
             [
-                Choice("world", "Graph", world_names(), world, tooltip="Which drive", stays=True),
+                Choice("world", "Graph", tuple(_WORLDS), world, tooltip="Which drive", stays=True),
                 Choice(
                     "guess", "Initial estimate", tuple(_GUESSES), tooltip="The states before the first step"
                 ),
