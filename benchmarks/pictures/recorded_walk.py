@@ -16,7 +16,9 @@ from nao_course.slam import range_and_bearing
 
 # The robot was put down by hand, so bearing and range of a landmark from its pose are known to 2 degrees and 5 cm.
 PLACED = np.diag([np.radians(2.0) ** 2, 0.05**2])
-MOST = 16.0  # largest squared distance from the nearest landmark; beyond it the detectors found something else
+MOST = (
+    16.0  # largest squared distance from the nearest landmark; beyond it the detectors found something else
+)
 
 
 def main() -> Result:

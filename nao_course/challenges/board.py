@@ -231,7 +231,9 @@ def _in_cases(run: Run, row: Row, sign: int) -> str:
     if not losses:
         said = f"better in {'all ' if wins == len(mine) else ''}{_count(wins, challenge.case)}"
     by_chance = challenge.sampled and _by_chance(wins, losses) > SIGNIFICANT
-    return f", {'which is ' if sign < 0 else ''}{said}" + (": this difference may be chance" if by_chance else "")
+    return f", {'which is ' if sign < 0 else ''}{said}" + (
+        ": this difference may be chance" if by_chance else ""
+    )
 
 
 def _by_chance(wins: int, losses: int) -> float:

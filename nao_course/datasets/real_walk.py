@@ -1,4 +1,4 @@
-"""What the course's detectors measured in the pictures of a real NAO's walk; the pictures are not part of the course."""
+"""The measurements of a real NAO's walk; the pictures that they are from are not part of the course."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The pose graph of the Intel Research Lab in Seattle, recorded by D. Hähnel; file and licence are from openslam_g2o."""
+"""The pose graph of the Intel Research Lab, recorded by D. Hähnel; file and licence are from openslam_g2o."""
 
 from __future__ import annotations
 

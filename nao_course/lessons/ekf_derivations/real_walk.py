@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 
 from nao_course.datasets.real_walk import FIELD, recorded_walk
 from nao_course.geometry import wrap_angle
-from nao_course.sim.drives import Function
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below
+from nao_course.sim.drives import Function
 
 
 @course_style()
@@ -48,13 +48,19 @@ def draw_real_measurements(expected_measurement: Function) -> Drawing:
         for kind, marker, source in (("post", "o", "ekf"), ("corner", "s", "graph")):
             shown = kinds == kind
             ax.plot(
-                expected[shown, 1], values[shown], marker, color=STYLES[source].colour, ms=5, alpha=0.7, label=kind
+                expected[shown, 1],
+                values[shown],
+                marker,
+                color=STYLES[source].colour,
+                ms=5,
+                alpha=0.7,
+                label=kind,
             )
         ax.set(title=name, xlabel="distance (m)", ylabel=f"measured minus expected ({unit})")
     legend_below(figure, left.get_legend_handles_labels()[0])
     said = [
-        f"{where} the median error of the bearing is {np.median(np.abs(off[chosen, 0])):.1f} degrees and that of the range "
-        f"{np.median(np.abs(off[chosen, 1])):.2f} m"
+        f"{where} the bearing's median error is {np.median(np.abs(off[chosen, 0])):.1f} degrees and the median range "
+        f"is {np.median(off[chosen, 1]):.2f} m off"
         for where, chosen in (("within 3 m", expected[:, 1] < 3), ("beyond 4 m", expected[:, 1] > 4))
     ]
     return Drawing(figure, f"{len(rows)} measurements of a real walk: {'; '.join(said)}.")

@@ -59,6 +59,6 @@ def draw_real_map(predict: Function, update_landmarks: Function, add_landmark: F
     legend_below(figure, [source_key("ekf", "estimated path and landmarks with 95 % ellipses")])
     return Drawing(
         figure,
-        f"The map of a real walk over the true field. The posts of the goal are {', '.join(said)}; the true distance is "
-        f"1.4 m. The map ends with {len(slam.known)} landmarks.",
+        f"The map of a real walk over the true field. The posts of the goal are {', '.join(said)}; the true distance "
+        f"is 1.4 m. The map ends with {len(slam.known)} landmarks.",
     )

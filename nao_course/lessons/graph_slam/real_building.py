@@ -19,7 +19,9 @@ START = 1e6  # weight of the first position, 1/m^2
 def positions_of(graph: Graph, headings: FloatArray, solve_sparse: Function) -> FloatArray:
     """Return the positions (n, 2) of a graph's poses, m, with given headings (n,), by the student's function."""
     i, j = graph.edges.T
-    moves = np.einsum("kab,kb->ka", np.array([rotation_2d(each) for each in headings[i]]), graph.measurements[:, :2])
+    moves = np.einsum(
+        "kab,kb->ka", np.array([rotation_2d(each) for each in headings[i]]), graph.measurements[:, :2]
+    )
     weights = graph.information[:, 0, 0]
     rows = np.arange(len(i))
     A = scipy.sparse.csr_array(

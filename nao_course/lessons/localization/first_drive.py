@@ -111,8 +111,7 @@ def run_first_drive(
 ) -> tuple[Trace, list[BearingRecord]]:
     """Run the given filter along the first drive.
 
-    `innovation` replaces a part of it, `localize` all of it, and then there are no records of the bearings as the filter
-    computed them.
+    `innovation` replaces a part of it, `localize` all of it, and then there are no records of the bearings.
     """
     drive, error = lap(FIRST)
     given = GivenFilter(innovation)

@@ -149,6 +149,7 @@ class LabPanel(FunctionPanel):
         }
         self._seen: dict[Any, tuple[Drawing, Table]] = {}
         self.named: set[str] = set()
+        self._patient = next(iter(PATIENTS))
         super().__init__(
             "Diagnosis lab",
             self._examine,
@@ -172,10 +173,13 @@ class LabPanel(FunctionPanel):
     def _examine(self, values: Any, student: Any) -> Iterator[Any]:
         """Run the patient, show its plots and readings, and answer the diagnosis."""
         bug = CASES[values.patient]
+        diagnosis = values.diagnosis if values.patient == self._patient else NOT_YET
+        self._patient = values.patient
+        self._take(self._checked({"diagnosis": diagnosis}))
         plots, readings = self._readings(values.patient, bug, student)
         yield {"Plots": plots}
         yield {"": readings}
-        yield self._answer(values.patient, bug, values.diagnosis)
+        yield self._answer(values.patient, bug, diagnosis)
 
     def _readings(self, letter: str, bug: Bug, student: Any) -> tuple[Drawing, Table]:
         """Return the plots and readings of a patient; they are computed once for each version of the filter."""

@@ -57,12 +57,13 @@ def draw_real_walk(localize: Function, predict_pose: Function, predict_covarianc
     lower.set(xlabel="picture")
     upper.tick_params(labelbottom=False)
     legend_below(
-        figure, [source_key("truth", "where it was put down"), source_key("ekf", "estimate with its 95 % ellipse")]
+        figure,
+        [source_key("truth", "where it was put down"), source_key("ekf", "estimate with its 95 % ellipse")],
     )
     last = max(i for i, step in enumerate(recorded_walk().steps) if len(step.numbers))
     return Drawing(
         figure,
-        f"A real walk of {len(off)} pictures. The estimate begins {off[0]:.2f} m and {turned[0]:.0f} degrees off; it is "
-        f"{off[last]:.2f} m and {turned[last]:.1f} degrees off after picture {last + 1}, the last with a landmark, and "
-        f"{off[-1]:.2f} m and {turned[-1]:.1f} degrees at the end.",
+        f"A real walk of {len(off)} pictures. The estimate begins {off[0]:.2f} m and {turned[0]:.0f} degrees off; it "
+        f"is {off[last]:.2f} m and {turned[last]:.1f} degrees off after picture {last + 1}, the last with a landmark, "
+        f"and {off[-1]:.2f} m and {turned[-1]:.1f} degrees at the end.",
     )

@@ -159,8 +159,8 @@ def test_the_panel_names_what_is_right_and_says_what_another_would_show_and_the_
     assert "No: " in panel.summary() and not panel.named
     panel.set(diagnosis=CASES["A"].name)
     assert "Right, " in panel.summary()
-    panel.set(patient="E", diagnosis="not yet")
-    assert "Patient E: 1 of 11 named so far." in panel.summary()
+    panel.set(patient="E")  # another patient has no diagnosis yet
+    assert panel.values.diagnosis == "not yet" and "Patient E: 1 of 11 named so far." in panel.summary()
     assert "Patient E, 20 drives" in panel.shown.drawings["Plots"].alt
     below = text("06").split("LabPanel(localize, predict_pose, predict_covariance)")[1]
     plain = re.sub(r"<details>.*?</details>", "", below, flags=re.DOTALL).split("## My NAO")[0]

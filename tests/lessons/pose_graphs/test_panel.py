@@ -5,14 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from nao_course.datasets import write_g2o
-from nao_course.datasets.files import DATA_VARIABLE
 from nao_course.lessons.pose_graphs import EdgePanel, RelaxPanel
-from nao_course.lessons.pose_graphs.figures import INTEL
 from nao_course.lessons.pose_graphs.panels import relaxing
 from nao_course.lessons.pose_graphs.panels.edges import first_edges, rows_of
 from nao_course.lessons.pose_graphs.panels.relaxing import REAL, draw_map, world_named
-from nao_course.lessons.pose_graphs.worlds import building, small_world
+from nao_course.lessons.pose_graphs.worlds import small_world
 from tests.lessons.every import blank
 from tests.lessons.pose_graphs.own import OWN
 
@@ -69,20 +66,7 @@ def test_functions_that_are_not_finished_are_replaced_by_given_ones_and_the_stud
         RelaxPanel(pose_residuals=OWN["pose_residual"])
 
 
-@pytest.fixture
-def recorded_building(tmp_path, monkeypatch):
-    monkeypatch.setenv(DATA_VARIABLE, str(tmp_path))
-    assert REAL not in relaxing.world_names()
-    world, file = building(5, 60), tmp_path / INTEL
-    file.parent.mkdir(parents=True)
-    write_g2o(world.graph, world.odometry, file)
-    world_named.cache_clear()
-    yield
-    world_named.cache_clear()
-
-
-@pytest.mark.usefixtures("recorded_building")
-def test_a_recorded_building_can_be_chosen_where_the_recordings_are():
+def test_a_recorded_building_can_be_chosen():
     shown = RelaxPanel()
     shown.set(world=REAL)
     assert "from the map with the smallest chi2" in shown.summary() and "off by 0.00" not in shown.summary()

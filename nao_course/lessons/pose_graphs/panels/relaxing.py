@@ -10,13 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.pose_graphs.figures import (
-    Function,
-    map_keys,
-    plot_graph,
-    real_building,
-    say_chi2,
-)
+from nao_course.lessons.pose_graphs.figures import Function, map_keys, plot_graph, real_building, say_chi2
 from nao_course.lessons.pose_graphs.matrices import block_picture
 from nao_course.lessons.pose_graphs.panels.given import given_gauss_newton
 from nao_course.lessons.pose_graphs.worlds import (
