@@ -140,9 +140,9 @@ WARP2PI = Exercise(
     ),
     mistakes=catalogue("""
         unchanged: + return np.asarray(angle)[()]
-            You return the angle unchanged, so it still contains whole turns. Subtract them.
+            Angles on both sides are still outside the range, so whole turns are left in them. Add pi, take the remainder with %, and subtract pi.
         0 to a full turn: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => np.asarray(angle) % (2 * np.pi)
-            Your angles lie between 0 and 2 pi, so a landmark slightly to the right gets almost a full turn. Add pi before you take the remainder, and subtract it afterwards.
+            Your function leaves angles above pi, as if the range were 0 to 2 pi. Add pi before you take the remainder, and subtract it afterwards.
         one turn only: + angle = np.array(angle, dtype=float)
             + angle = np.where(angle > np.pi, angle - 2 * np.pi, angle)
             + return np.where(angle < -np.pi, angle + 2 * np.pi, angle)[()]
@@ -168,7 +168,27 @@ WARP2PI = Exercise(
         sine first: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => np.arctan2(np.cos(angle), np.sin(angle))
             You swap the arguments of arctan2. Its first argument is the sine: np.arctan2(np.sin(angle), np.cos(angle)).
         C's remainder: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => np.fmod(np.asarray(angle) + np.pi, 2 * np.pi) - np.pi
-            Your function fails for negative angles, because np.fmod keeps the sign of its first argument. Use % or np.mod.
+            Your function leaves angles below -pi. np.fmod keeps the sign of its first argument, and np.where(angle > np.pi, ...) changes only angles above pi. Use % or np.mod.
+        rank of the operators: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => (np.asarray(angle) + np.pi) % 2 * np.pi - np.pi
+            % and * have the same rank and are applied from left to right. Write % (2 * np.pi), in brackets.
+        remainder of pi: (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi => np.asarray(angle) % np.pi
+            Ahead and behind become the same angle. A whole turn is 2 pi: add pi, take % (2 * np.pi), and subtract pi.
+        elements of a number: + if np.ndim(angle) == 0:
+            +     raise TypeError
+            A single number has no elements and no length, so your function works only for arrays. The operator % works for both.
+        elements of a number, one turn: + if np.ndim(angle) == 0:
+            +     raise TypeError
+            + angle = np.where(angle > np.pi, angle - 2 * np.pi, angle)
+            + return np.where(angle < -np.pi, angle + 2 * np.pi, angle)
+            A single number has no elements, so your function works only for arrays, and it removes one turn at most. The operator % works for both and removes all turns.
+        elements of a number, one side: + if np.ndim(angle) == 0:
+            +     raise TypeError
+            + return np.where(angle > np.pi, angle - 2 * np.pi, angle)
+            A single number has no elements, so your function works only for arrays, and it leaves angles below -pi. The operator % works for both and on both sides.
+        one side of one angle: + if np.ndim(angle):
+            +     return (angle > np.pi) and angle
+            + return angle - 2 * np.pi if angle > np.pi else angle
+            Your function leaves angles below -pi, and it raises for an array, because `if` needs a single True or False. The operator % works on both sides and on each element.
         one angle only: + if np.ndim(angle):
             +     return (angle > np.pi) and angle
             Your function works for one angle but raises for an array, because `if` and `while` need a single True or False. The operator % works on each element.
@@ -256,6 +276,14 @@ INIT_LANDMARKS = Exercise(
             You return R, the covariance of bearing and range in rad^2 and m^2. The result must be the covariance of x and y: multiply R by J_z from the left and J_zᵀ from the right.
         Jacobian transposed: jacobian @ joint_noise(measurement_covariance, k) @ jacobian.T => jacobian.T @ joint_noise(measurement_covariance, k) @ jacobian
             You compute Jᵀ R J. The columns of J belong to bearing and range, so the product is J R Jᵀ.
+        last factor not transposed: joint_noise(measurement_covariance, k) @ jacobian.T => joint_noise(measurement_covariance, k) @ jacobian
+            You compute J R J. The last factor is Jᵀ: J R Jᵀ.
+        last factor not transposed, block by block: jacobian @ joint_noise(measurement_covariance, k) @ jacobian.T => jacobian @ (joint_noise(measurement_covariance, k) * np.kron(np.eye(k), np.ones((2, 2)))) @ jacobian
+            You compute J R J. The last factor is Jᵀ: J R Jᵀ. And if R is (2k, 2k), its blocks between different landmarks count, too.
+        last factor not transposed, R as given: + if np.shape(measurement_covariance) != (2, 2):
+            +     raise ValueError
+            jacobian @ joint_noise(measurement_covariance, k) @ jacobian.T => jacobian @ np.kron(np.eye(k), measurement_covariance) @ jacobian
+            You compute J R J. The last factor is Jᵀ: J R Jᵀ. And a single (2, 2) matrix is not enough for the other two forms of R: use joint_noise(measurement_covariance, k).
         one side only: jacobian @ joint_noise(measurement_covariance, k) @ jacobian.T => jacobian @ joint_noise(measurement_covariance, k)
             You compute J R, which is not symmetric. A covariance is multiplied from both sides: J R Jᵀ.
         the first one's Jacobian: landmark_jacobians(pose, measurements[i : i + 2]) => landmark_jacobians(pose, measurements[:2])
@@ -275,7 +303,7 @@ INIT_LANDMARKS = Exercise(
         landmarks in the robot frame: landmark_position(pose, => landmark_position(np.zeros(3),
             Your covariances are correct, but your landmarks are in the robot's frame. The map needs them in the field frame: landmark_position(pose, measurement).
         J_p for J_z: landmark_jacobians(pose, measurements[i : i + 2])[1] => landmark_jacobians(pose, measurements[i : i + 2])[0]
-            landmark_jacobians returns two matrices: J_p (2, 3), with respect to the pose, and then J_z (2, 2), with respect to the measurement. Here you need J_z.
+            Two shapes do not fit. If the line calls landmark_position: the order is (pose, measurement). If it uses the Jacobians: landmark_jacobians(pose, measurement) returns two matrices, J_p (2, 3) and then J_z (2, 2). Here you need J_z.
         all x, then all y: return k, landmarks, => return k, np.concatenate([landmarks[::2], landmarks[1::2]]),
             You return all x and then all y. Return x and y of each landmark in turn.
         Jacobian without the heading: landmark_jacobians(pose, => landmark_jacobians(np.array([*pose[:2], 0.0]),
@@ -288,6 +316,11 @@ INIT_LANDMARKS = Exercise(
             You swap left and right. A bearing is positive to the left and is added to the heading.
         range, bearing: + measurements = measurements.reshape(-1, 2)[:, ::-1].ravel()
             You swap bearing and range. Their order is (bearing, range, bearing, range, ...).
+        bearings, then ranges: + measurements = measurements.reshape(2, -1).T.ravel()
+            You read the first half as bearings and the second half as ranges. Pairs are rows: measurements.reshape(-1, 2).
+        rows of k: + if len(measurements) != 4:
+            +     raise ValueError
+            Your function works for two landmarks only, as with measurements.reshape(2, -1). Pairs are rows: measurements.reshape(-1, 2).
         R as given: + if np.shape(measurement_covariance) != (2, 2):
             +     raise ValueError
             You use measurement_covariance as it is, which works for a single (2, 2) matrix only. joint_noise(measurement_covariance, k) returns the full (2k, 2k) matrix for each of the three forms.
@@ -409,7 +442,18 @@ PREDICT = Exercise(
             covariance[3:, :3] = covariance[3:, :3] @ F.T => covariance[3:, :3] = covariance[3:, :3] @ F
             You change only the block below the diagonal, and to P_lp F. Transpose F P_pl to get this block, and set both blocks.
         F on both sides of P_pl: covariance[3:, :3] @ F.T => F @ covariance[3:, :3] @ F.T
-            You multiply the block between pose and map by F from both sides, and the shapes do not fit. Only the pose's error is multiplied by F, so there is one factor: F P_pl.
+            Two shapes do not fit. If the line contains P_pl or P_lp, F is on the wrong side, or on both. P_pl has three rows: F P_pl. P_lp has three columns: P_lp Fᵀ. If the line contains Q: F, G and Q are (3, 3).
+        F for the whole: + if k:
+            +     raise ValueError
+            Your function fails as soon as there is a landmark. F and predict_pose are for the three values of the pose: use covariance[:3, :3] and state[:3].
+        last F not transposed: F @ covariance[:3, :3] @ F.T => F @ covariance[:3, :3] @ F
+            In the pose's own block you compute F P F. The last factor is Fᵀ: F P_pp Fᵀ.
+        last F missing: F @ covariance[:3, :3] @ F.T => F @ covariance[:3, :3]
+            In the pose's own block the last factor is missing: F P_pp Fᵀ.
+        F left out for the pose: F @ covariance[:3, :3] @ F.T => covariance[:3, :3]
+            You add the noise to the old P_pp. The old error is multiplied by F: F P_pp Fᵀ + G Q Gᵀ.
+        G, F: F, G = motion_jacobians => G, F = motion_jacobians
+            You exchange F and G. motion_jacobians returns F first: F, G = motion_jacobians(pose, control).
         cross-covariances dropped: covariance[3:, :3] = covariance[3:, :3] @ F.T => covariance[3:, :3] = 0
             You set the covariance between pose and map to zero. A motion does not remove it: the landmarks' errors still come from earlier poses. Multiply P_pl by F instead.
         cross-covariances from the wrong side: covariance[3:, :3] @ F.T => covariance[3:, :3] @ F
@@ -426,11 +470,22 @@ PREDICT = Exercise(
             You add Q without rotating it. Q is along and across the robot, and G Q Gᵀ rotates it into the field frame.
         Gᵀ Q G: G @ control_covariance @ G.T => G.T @ control_covariance @ G
             You compute Gᵀ Q G, which rotates the noise in the wrong direction. Use G Q Gᵀ.
+        last G missing: G @ control_covariance @ G.T => G @ control_covariance
+            You compute G Q. The last factor is missing: G Q Gᵀ.
         no noise: F.T + G @ control_covariance @ G.T => F.T
             Your covariance lacks the noise of the motion. Add G Q Gᵀ to the pose's block.
         noise subtracted: F.T + G @ => F.T - G @
             You subtract the noise of the motion. A motion adds uncertainty: F P Fᵀ + G Q Gᵀ.
         noise on the landmarks: return state, covariance => covariance[3:, 3:] += np.kron(np.eye(k), (G @ control_covariance @ G.T)[:2, :2])
+            + return state, covariance
+            You add noise to the landmarks. They do not move, so P_ll stays as it is.
+        unrotated noise on the landmarks: return state, covariance => covariance[3:, 3:] += np.kron(np.eye(k), control_covariance[:2, :2])
+            + return state, covariance
+            You add noise to the landmarks. They do not move, so P_ll stays as it is.
+        common noise on the landmarks: return state, covariance => covariance[3:, 3:] += np.kron(np.ones((k, k)), (G @ control_covariance @ G.T)[:2, :2])
+            + return state, covariance
+            You add noise to the landmarks. They do not move, so P_ll stays as it is.
+        noise of the distance on the landmarks: return state, covariance => covariance[3:, 3:] += control_covariance[0, 0] * np.eye(2 * k)
             + return state, covariance
             You add noise to the landmarks. They do not move, so P_ll stays as it is.
         a little noise on the landmarks: return state, covariance => covariance[3:, 3:] += 1e-7 * np.eye(2 * k)
@@ -605,7 +660,7 @@ def _update_hidden(rng: np.random.Generator) -> list[Case]:
 def textbook(
     *,
     first: Callable[[int], int] = lambda i: 3 + 2 * i,
-    pair: Callable[[int, int], int] = lambda j, i: j,
+    pair: Callable[[int, int], float] = lambda j, i: j,
     landmark_of: Callable[[int, int], int] = lambda j, i: i,
     wrapped: slice = slice(0, None, 2),
     by_landmark: Callable[[Array], Array] = lambda H: H,
@@ -614,13 +669,16 @@ def textbook(
     corrected: slice = slice(None),
     in_place: bool = False,
     begins: int = 3,
+    stride: int = 2,
+    row: Callable[[int, int], int] = lambda j, i: j,
     kept: float = 1.0,
     reduced: Callable[[Array, Array, Array], Array] = lambda P, K, H: P - K @ H @ P,
 ) -> Callable[..., Any]:
     """Return the textbook's update with a symmetric covariance and with one slip.
 
     first(i) is the first column of landmark i in H, pair(j, i) the number of the pair of measurements that is used for
-    it, and landmark_of(j, i) the landmark that is read from the state, where the first one `begins`. `wrapped` are the
+    it, and landmark_of(j, i) the landmark that is read from the state, where the first one `begins` and the next one is
+    `stride` later. row(j, i) is the pair of rows of H. `wrapped` are the
     innovations that are wrapped, `corrected` the values of the state that are corrected, and `kept` times the old state is added to the correction.
     """
 
@@ -628,11 +686,12 @@ def textbook(
         m, n = len(indices), len(state)
         H, nu = np.zeros((2 * m, n)), np.zeros(2 * m)
         for j, i in enumerate(indices):
-            rows, begin, number = slice(2 * j, 2 * j + 2), begins + 2 * landmark_of(j, i), pair(j, i)
+            rows, begin, number = slice(2 * j, 2 * j + 2), begins + stride * landmark_of(j, i), pair(j, i)
+            of_H = slice(2 * row(j, i), 2 * row(j, i) + 2)
             landmark = state[begin : begin + 2]
-            H[rows, :3], own = measurement_jacobians(state[:3], landmark)
-            H[rows, first(i) : first(i) + 2] = by_landmark(own)
-            nu[rows] = z[2 * number : 2 * number + 2] - expected(state[:3], landmark)
+            H[of_H, :3], own = measurement_jacobians(state[:3], landmark)
+            H[of_H, first(i) : first(i) + 2] = by_landmark(own)
+            nu[rows] = z[int(2 * number) : int(2 * number) + 2] - expected(state[:3], landmark)
         nu[wrapped] = wrap_angle(nu[wrapped])
         K = gain(P, H, H @ P @ H.T + noise_of(R, m))
         new, P, shift = state.copy(), reduced(P, K, H), K @ nu
@@ -675,9 +734,44 @@ TEXTBOOK_SLIPS = [
         "In H you put the Jacobian with respect to landmark i one column too far to the left. The pose has three columns, 0 to 2, so landmark i has columns 3 + 2 i and 4 + 2 i.",
     ),
     Mistake(
+        "columns of H with one number a landmark",
+        textbook(first=lambda i: 3 + i),
+        "In H you put the Jacobian with respect to landmark i in columns 3 + i and 4 + i. A landmark has two columns, x and y, so they are 3 + 2 i and 4 + 2 i.",
+    ),
+    Mistake(
+        "state with one number a landmark",
+        textbook(stride=1),
+        "You read landmark i from state[3 + i : 5 + i]. A landmark has two values, x and y, so landmark i begins at state[3 + 2 * i].",
+    ),
+    Mistake(
+        "rows of H by the landmark",
+        textbook(row=lambda j, i: i),
+        "You put the Jacobians in the rows 2 i and 2 i + 1 of H. Row j belongs to measurement j: its rows are 2 j and 2 j + 1, and i only gives the columns.",
+    ),
+    Mistake(
+        "Joseph form without K R Kᵀ",
+        textbook(reduced=lambda P, K, H: (np.eye(len(P)) - K @ H) @ P @ (np.eye(len(P)) - K @ H).T),
+        "You return (I - K H) P (I - K H)ᵀ. Equation 7.4 has a second term: add K R Kᵀ.",
+    ),
+    Mistake(
+        "Joseph form, not transposed",
+        textbook(reduced=lambda P, K, H: (np.eye(len(P)) - K @ H) @ P @ (np.eye(len(P)) - K @ H + H.T @ K.T)),
+        "In the Joseph form the factor behind P is transposed: (I - K H) P (I - K H)ᵀ + K R Kᵀ.",
+    ),
+    Mistake(
+        "brackets of the mean",
+        textbook(reduced=lambda P, K, H: 1.5 * (P - K @ H @ P)),
+        "You compute P + P.T / 2, which halves only the second term. It needs brackets: (P + P.T) / 2.",
+    ),
+    Mistake(
         "measurements by the landmark",
         textbook(pair=lambda j, i: i),
         "You read the measurement at 2 i, where i is the number of the landmark. The measurements are in the order of `indices`, so pair j begins at measurements[2 * j] and belongs to landmark indices[j].",
+    ),
+    Mistake(
+        "measurements one by one",
+        textbook(pair=lambda j, i: j / 2),
+        "You read measurement j from measurements[j : j + 2]. A measurement has two numbers, so it begins at measurements[2 * j].",
     ),
     Mistake(
         "ranges wrapped in place of bearings",
@@ -704,7 +798,7 @@ TEXTBOOK_SLIPS = [
         lambda state, P, indices, z, R: textbook(noise_of=lambda R, m: joint_noise(R, (len(state) - 3) // 2))(
             state, P, indices, z, R
         ),
-        "You make R for all landmarks of the map. It needs two rows for each measured landmark: joint_noise(measurement_covariance, len(indices)).",
+        "Your shapes do not fit if only some landmarks of the map are measured. R needs two rows for each measured landmark: joint_noise(measurement_covariance, len(indices)). H and the innovation have as many rows, in the order of the measurements, and H has a column for each value of the state.",
     ),
     Mistake(
         "R subtracted",
@@ -829,7 +923,7 @@ UPDATE_LANDMARKS = Exercise(
         H of the landmark only: H[rows, :3] = measurement_jacobian_pose(pose, landmark) => pass
             Your H contains only the Jacobian with respect to the landmark, as if the pose were exact. Put the Jacobian with respect to the pose in the first three columns.
         landmark's Jacobian with the wrong sign: = measurement_jacobian_landmark => = -measurement_jacobian_landmark
-            Your Jacobian with respect to the landmark has the wrong sign. A landmark that is farther away has a longer range, so that derivative is positive.
+            Your Jacobian with respect to the landmark has the wrong sign: a landmark that is farther away has a longer range, so that derivative is positive. Use measurement_jacobian_landmark(pose, landmark) as it is, with the arguments in this order.
         pose's Jacobian with the wrong sign: = measurement_jacobian_pose => = -measurement_jacobian_pose
             Your Jacobian with respect to the pose has the wrong sign. Use measurement_jacobian_pose as it is: if the robot moves towards a landmark, the range becomes shorter, so that derivative is negative.
         only the measured landmarks: state, reduction = state + A.T @ (L_inverse @ innovation), A.T @ A => shift, reduction = A.T @ (L_inverse @ innovation), A.T @ A
@@ -843,7 +937,7 @@ UPDATE_LANDMARKS = Exercise(
             + covariance = covariance * (group[:, None] == group)
             You use only the diagonal blocks of P, of the pose and of each landmark. Use the whole matrix: the other blocks are the correlations.
         gain transposed: A.T @ (L_inverse @ innovation) => A @ (L_inverse @ innovation)
-            Your gain has the wrong shape, so NumPy reports that shapes do not match. K needs one row for each value of the state; np.linalg.solve(S, H @ P) returns its transpose.
+            Two shapes do not fit. If the line calls a function of lesson 05: the order is (pose, landmark). If it fills H: H needs two rows for each measured landmark, (2m, 3 + 2k). If it computes the correction: use @ between K and the innovation. If it computes P': K H is (n, n); H K is not. K = P Hᵀ S⁻¹ has a row for each value of the state, and np.linalg.solve(S, H @ P) is its transpose.
         covariance kept: np.subtract(covariance, reduction, out=reduction) => covariance.copy()
             Your state is correct, but you return the old covariance. An update reduces it.
         sum not halved: np.subtract(covariance, reduction, out=reduction) => 2 * (covariance - reduction)
@@ -882,6 +976,10 @@ UPDATE_LANDMARKS = Exercise(
             + K = covariance @ whole.T @ L_inverse.T @ L_inverse
             + return state, covariance - K @ whole @ covariance
             Your formula is correct, but you return a covariance that is not exactly symmetric. Each update amplifies the rounding errors, and after these 60 updates it is wrong by between 3 and 200 percent of its largest entry, depending on the form. Return (P + P.T) / 2, also with the Joseph form.
+        Joseph form without K R Kᵀ, never made symmetric: return state, np.subtract(covariance, reduction, out=reduction) => whole = H @ np.eye(len(state))[columns]
+            + keep = np.eye(len(state)) - covariance @ whole.T @ L_inverse.T @ L_inverse @ whole
+            + return state, keep @ covariance @ keep.T
+            You return (I - K H) P (I - K H)ᵀ. Equation 7.4 has a second term: add K R Kᵀ. Then return (P + P.T) / 2, because rounding errors make also this form asymmetric.
         unwrapped and never made symmetric: innovation[::2] = warp2pi(innovation[::2]) => pass
             return state, np.subtract(covariance, reduction, out=reduction) => whole = H @ np.eye(len(state))[columns]
             + K = covariance @ whole.T @ L_inverse.T @ L_inverse
@@ -1178,6 +1276,15 @@ ADD_LANDMARK = Exercise(
             You give the landmark a large variance. Its covariance follows from the pose and the measurement: propagate both errors into x and y of the landmark.
         J_p and J_z exchanged: by_pose, by_measurement = landmark_jacobians => by_measurement, by_pose = landmark_jacobians
             Two shapes do not fit. Either a block is on the wrong side: in np.block([[P, A], [B, C]]) the block A has n rows and two columns, P[:, :3] J_pᵀ, and B = A.T has two rows, J_p P[:3]. Or you exchanged J_p (2, 3), which landmark_jacobians returns first, and J_z (2, 2).
+        J_p on all of P: + if len(state) > 3:
+            +     raise ValueError
+            The shapes do not fit as soon as there is a landmark. J_p has three columns, for the pose's rows of P: use J_p P[:3] and P[:, :3] J_pᵀ, and J_p P[:3, :3] J_pᵀ in the landmark's own block.
+        one Jacobian, not transposed: + n = len(state)
+            + J, both = np.eye(n + 2), np.zeros((n + 2, n + 2))
+            + J[n:, :3], J[n:, n:] = landmark_jacobians(state[:3], measurement)
+            + both[:n, :n], both[n:, n:] = covariance, measurement_covariance
+            + return np.append(state, landmark_position(state[:3], measurement)), J @ both @ J
+            You multiply by J from the right. The last factor is Jᵀ.
         not at the end: np.append(state, position) => np.concatenate([state[:3], position, state[3:]])
             You insert the landmark behind the pose. Append it at the end of the state.
         in front: np.append(state, position) => np.append(position, state)

@@ -148,7 +148,7 @@ def draw_ablations(ablations: Sequence[Ablation]) -> Drawing:
     changed = [each for each in ablations if each.name]
     base = next(each for each in ablations if not each.name)
     rows = [[each for each in changed if (each.factor > 1) is larger] for larger in (True, False)]
-    figure = Figure(figsize=(14.4, 6.4))
+    figure = Figure(figsize=(14.4, 6.9))
     grid = figure.subplots(2, 1 + len(rows[0]), squeeze=False)
     grid[1, 0].set_axis_off()
     shown = [(grid[0, 0], base), *zip(grid[:, 1:].flat, [*rows[0], *rows[1]], strict=True)]

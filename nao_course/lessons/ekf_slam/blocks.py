@@ -70,7 +70,7 @@ def draw_blocks(predict: Function, update_landmarks: Function, add_landmark: Fun
     Returns
     -------
     Drawing
-        Four matrices in units of the standard deviations at first, and below them the entries that each step changes.
+        Four matrices divided by the standard deviations before, and below them the entries that each step changes.
     """
     steps = block_steps(predict, update_landmarks, add_landmark)
     *_, last = steps.values()
@@ -89,7 +89,7 @@ def draw_blocks(predict: Function, update_landmarks: Function, add_landmark: Fun
         said.append(f"{title}: {_say_changed(marks)}")
         before = covariance
     figure.colorbar(
-        image, ax=list(axes[0]), label="in units of the first\nstandard deviations", ticks=[-1, 0, 1]
+        image, ax=list(axes[0]), label="divided by the standard\ndeviations before", ticks=[-1, 0, 1]
     )
     # An invisible bar, so that both rows have the same width
     figure.colorbar(image, ax=list(axes[1])).ax.set_visible(False)

@@ -25,11 +25,12 @@ from nao_course.sim.drives import (
     NamedEkf,
     Sigmas,
     Step,
+    as_belief,
     checked_functions,
     measure_in_view,
     true_path,
 )
-from nao_course.slam import Motion
+from nao_course.slam import Motion, range_and_bearing
 
 RUNS = 100
 START = Pose(1.4, -0.8, 0.0)  # in the field frame; the origin of the filter's map frame
@@ -167,6 +168,34 @@ def compare(
     return {
         name: [follow(drive, VARIANTS[name](functions), with_nis) for drive in drives] for name in variants
     }
+
+
+# --- the unobservable rotation ---
+
+
+def say_rotation(update_landmarks: Function) -> str:
+    """Return equation 7.9 in numbers: (H_p H_l) N at first estimates of a pose and a landmark, and after an update."""
+
+    def rotation(state: FloatArray) -> FloatArray:
+        x, y, _, l_x, l_y = state
+        return np.array([-y, x, 1.0, -l_y, l_x])
+
+    def seen(state: FloatArray) -> FloatArray:
+        return range_and_bearing(state[:3], state[None, 3:])[0]
+
+    def product(state: FloatArray, direction: FloatArray) -> str:
+        step = 1e-6 * direction
+        bearing, distance = (seen(state + step) - seen(state - step)) / 2e-6
+        return f"{bearing:z6.3f} {distance:z6.3f}"
+
+    first = np.array([1.0, 0.5, 0.3, 3.0, 2.0])
+    answer = update_landmarks(first.copy(), 0.01 * np.eye(5), [0], seen(first) + (0.1, 0.2), 0.01 * np.eye(2))
+    updated, _ = as_belief(answer, len(first), "update_landmarks")
+    return (
+        f"(H_p H_l) N, bearing and range:\n{product(first, rotation(first))}  all at the first estimates\n"
+        f"{product(updated, rotation(first))}  H after an update, the old N\n"
+        f"{product(updated, rotation(updated))}  both after the update"
+    )
 
 
 # --- figures ---

@@ -10,6 +10,7 @@ from nao_course.lessons.ekf_slam.bent_map import (
     draw_covariance_test,
     draw_second_error,
 )
+from nao_course.lessons.ekf_slam.bent_map.figures import SCATTER
 from nao_course.lessons.ekf_slam.bent_map.runs import (
     ONE_ERROR,
     SAMPLES,
@@ -57,6 +58,7 @@ def test_the_lessons_numbers_hold(functions):
     assert yours.map_nees == pytest.approx(18.1, abs=0.05) and two.map_nees is None
     assert chi2.ppf([0.025, 0.975], 20) == pytest.approx([9.6, 34.2], abs=0.05)
     steps, values = two.bearings.T
+    assert np.degrees((NOISY.bearing, NOISY.turn)) == pytest.approx((5, 3))
     assert len(values) == 208 and steps[np.abs(values) > np.radians(20)][0] == 8
     assert [np.degrees(values[steps == each].max()) for each in (8, 30)] == pytest.approx([356, 346], abs=0.5)
     assert one.nees.max() == pytest.approx(2200, abs=5) and np.sum(one.nees < 0) == 5
@@ -75,7 +77,7 @@ def test_after_warp2pi_innovations_are_small_and_samples_show_the_forgotten_bloc
     state, covariance = (np.array(recorded_test()[name]) for name in ("state", "covariance"))
     given = state, covariance, TEST_CONTROL, NOISY.control_covariance, (len(state) - 3) // 2
     correct = own["predict"](*given)[1]
-    assert max(covariance_differences(correct).values()) < 0.03
+    assert max(covariance_differences(correct).values()) < SCATTER == 0.03
     assert sampled_covariance().shape == covariance.shape and SAMPLES == 20_000
 
 
@@ -90,6 +92,7 @@ def test_every_wrong_block_is_visible_in_the_test_with_samples():
 @pytest.mark.slow
 def test_figures_say_what_they_show(own):
     functions = own["predict"], own["update_landmarks"], own["add_landmark"]
+    assert draw_bent_map().alt.endswith("half a turn in 16 steps, first in step 8 with 356 degrees.")
     assert "90 cm off" in draw_bent_map().alt and "2 cm off on average" in draw_bent_map(*functions).alt
     assert "negative in 5" in draw_second_error().alt
     assert "pose and map 0.67" in draw_covariance_test().alt

@@ -47,6 +47,8 @@ def test_a_larger_covariance_makes_the_reference_consistent_and_does_not_reach_t
         scored.append(judge((state, 2.1 * covariance), drive))
     rows = {row.name: row.score for row in CHALLENGE.rows}
     bits = np.mean([each.score for each in scored])
+    before = next(row.cases for row in CHALLENGE.rows if row.name == "the reference")
+    assert sum(each.score > was for each, was in zip(scored, before, strict=True)) == 16
     assert np.mean([each.columns["NEES"] for each in scored]) == pytest.approx(3.0, abs=0.05)
     assert bits - rows["the reference"] == pytest.approx(0.8, abs=0.05)
     assert rows["a better one"] - bits > 1.2

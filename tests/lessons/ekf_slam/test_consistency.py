@@ -12,6 +12,7 @@ from nao_course.lessons.ekf_slam.consistency import (
     field_drive,
     follow,
     mean_nees,
+    say_rotation,
     with_first_estimates,
     without_pose_map,
 )
@@ -95,6 +96,12 @@ def test_first_estimates_add_no_information_on_a_rotation_and_only_pose_map_cova
     wanted = add_landmark(np.zeros(3), np.eye(3), np.array([0.1, 1.0]), np.eye(2))[1]
     assert np.array_equal(grown[:3, :3], wanted[:3, :3]) and np.array_equal(grown[3:, 3:], wanted[3:, 3:])
     assert not grown[:3, 3:].any() and not grown[3:, :3].any() and wanted[3:, :3].any()
+
+
+def test_an_update_makes_a_rotation_observable_to_the_next_jacobians(functions):
+    _, first, old, new = say_rotation(functions[1]).splitlines()
+    assert first.startswith(" 0.000  0.000") and new.startswith(" 0.000  0.000")
+    assert all(abs(float(value)) > 0.03 for value in old.split()[:2])
 
 
 def test_the_figure_says_the_means_and_the_band(functions):

@@ -187,6 +187,14 @@ def test_several_passes_are_not_called_one_turn():
     assert "too few turns" in said("warp2pi", by_passes)
 
 
+def test_shapes_that_do_not_fit_are_answered_with_each_line_that_may_be_wrong():
+    def update_landmarks(state, P, indices, z, R):
+        return state + np.ones((len(state), 2 * len(indices))) * z, P
+
+    answer = said("update_landmarks", update_landmarks)
+    assert "use @ between K and the innovation" in answer and "the order is (pose, landmark)" in answer
+
+
 @pytest.mark.parametrize("indices", [lambda k: range(1, k + 1), lambda k: [k], lambda k: range(2 * k)])
 def test_an_index_that_is_too_large_is_named(own, indices):
     def update(state, covariance, measurements, R, k):

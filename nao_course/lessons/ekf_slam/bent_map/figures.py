@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nao_course.geometry import pose_errors
+from nao_course.geometry import FloatArray, pose_errors
 from nao_course.lessons.ekf_slam.bent_map.runs import (
     ONE_ERROR,
     SAMPLES,
@@ -38,6 +38,9 @@ from nao_course.sim.drives import Function
 WRONG, RIGHT = STYLES["odometry"].colour, STYLES["ekf"].colour
 MAP_SIZE = 5.6, 5.4  # inches: width and height of a map, so that all maps have one scale
 LOWEST, HIGHEST = 0.1, 1e4  # of the axis that shows NEES
+SCATTER = (
+    0.03  # of the samples' covariance, divided by both standard deviations: smaller differences are white
+)
 
 # --- the map ---
 
@@ -48,7 +51,7 @@ def draw_bent_map(
     update_landmarks: Function | None = None,
     add_landmark: Function | None = None,
 ) -> Drawing:
-    """Draw the map of the filter with two bugs, and beside it the student's map of the same drive.
+    """Draw the map of the filter with two bugs, and beside it its innovations or the student's map of the same drive.
 
     Parameters
     ----------
@@ -58,7 +61,7 @@ def draw_bent_map(
     Returns
     -------
     Drawing
-        True and estimated path and landmarks; without functions of the recorded filter alone.
+        True and estimated path and landmarks; without functions the recorded filter's and its bearing innovations.
     """
     runs = {"The filter with two bugs": (recorded_run(TWO_ERRORS), WRONG)}
     if predict and update_landmarks and add_landmark:
@@ -67,16 +70,21 @@ def draw_bent_map(
 
 
 def _draw_maps(runs: dict[str, tuple[FilterRun, str]]) -> Drawing:
-    figure = Figure(figsize=(MAP_SIZE[0] * len(runs), MAP_SIZE[1]))
-    for ax, (title, (run, colour)) in zip(
-        figure.subplots(1, len(runs), squeeze=False)[0], runs.items(), strict=True
-    ):
+    figure = Figure(figsize=(2 * MAP_SIZE[0], MAP_SIZE[1]))
+    axes = figure.subplots(1, 2)
+    if len(runs) == 1:
+        _plot_bearings(axes[1], *recorded_run(TWO_ERRORS).bearings.T, WRONG)
+        axes[1].set_title("Its bearing innovations")
+    for ax, (title, (run, colour)) in zip(axes, runs.items(), strict=False):
         _plot_map(ax, run, colour)
         low, high = band(run.landmarks.size, 1)
         nees = "" if run.map_nees is None else f", NEES {run.map_nees:.1f} ({low:.1f} to {high:.1f})"
         ax.set_title(f"{title}: {100 * run.map_error:.0f} cm off{nees}")
     legend_below(figure, _map_keys([colour for _, colour in runs.values()]), columns=2)
-    return Drawing(figure, " ".join(f"{title}. {_say_run(run)}" for title, (run, _) in runs.items()))
+    said = [f"{title}. {_say_run(run)}" for title, (run, _) in runs.items()]
+    if len(runs) == 1:
+        said.append(_say_bearings(recorded_run(TWO_ERRORS).bearings))
+    return Drawing(figure, " ".join(said))
 
 
 def _map_keys(colours: list[str]) -> list[Any]:
@@ -148,11 +156,7 @@ def draw_bearings(warp2pi: Any = None) -> Drawing:
     figure = Figure(figsize=(8.4, 3.4 * len(shown)))
     axes = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
     for ax, (title, (steps, values, colour)) in zip(axes, shown.items(), strict=True):
-        ax.plot(steps, np.degrees(values), "o", ms=3.5, color=colour)
-        ax.axhline(0, color=GREY, lw=1, ls="--")
-        ax.set(
-            xlabel="step", ylabel="bearing innovation (deg)", ylim=(-400, 400), yticks=range(-360, 361, 180)
-        )
+        _plot_bearings(ax, steps, values, colour)
         ax.set_title(title)
     largest = {
         title: int(np.degrees(np.abs(values).max()).round()) for title, (_, values, _) in shown.items()
@@ -163,6 +167,21 @@ def draw_bearings(warp2pi: Any = None) -> Drawing:
         + "; ".join(f"{title}: at most {size} degrees" for title, size in largest.items())
         + ".",
     )
+
+
+def _say_bearings(bearings: FloatArray) -> str:
+    """Say in which steps a bearing innovation first exceeds half a turn, and how large the largest one is."""
+    steps, values = bearings[np.abs(bearings[:, 1]) > np.pi].T
+    return (
+        f"The bearing innovations, measured minus expected, exceed half a turn in {len(set(steps))} steps, "
+        f"first in step {steps[0]:.0f} with {np.degrees(values[0]):.0f} degrees."
+    )
+
+
+def _plot_bearings(ax: Axes, steps: FloatArray, values: FloatArray, colour: str) -> None:
+    ax.plot(steps, np.degrees(values), "o", ms=3.5, color=colour)
+    ax.axhline(0, color=GREY, lw=1, ls="--")
+    ax.set(xlabel="step", ylabel="bearing innovation (deg)", ylim=(-400, 400), yticks=range(-360, 361, 180))
 
 
 # --- the second measurement: NEES, and a covariance beside samples ---
@@ -212,7 +231,7 @@ def draw_covariance_test(predict: Function | None = None) -> Drawing:
     Returns
     -------
     Drawing
-        Correlations of the filter, of the samples, and their difference.
+        Covariances of the filter, of the samples, and their difference, white where it is at most `SCATTER`.
     """
     test = recorded_test()
     if predict is None:
@@ -223,11 +242,12 @@ def draw_covariance_test(predict: Function | None = None) -> Drawing:
         title, covariance = "Your predict", np.array(answer[1], dtype=float)
     sampled = sampled_covariance()
     sigma = np.sqrt(np.diag(sampled))
+    largest, difference = covariance_differences(covariance), scaled_difference(covariance)
     shown = {
         title: covariance / np.outer(sigma, sigma),
         f"{SAMPLES:,} sampled robots": sampled / np.outer(sigma, sigma),
-        f"Difference, at most {max(covariance_differences(covariance).values()):.2f}": scaled_difference(
-            covariance
+        f"Difference, at most {max(largest.values()):.2f}\n(white: up to {SCATTER})": np.where(
+            np.abs(difference) <= SCATTER, 0.0, difference
         ),
     }
     figure = Figure(figsize=(11.0, 4.2))
@@ -236,9 +256,8 @@ def draw_covariance_test(predict: Function | None = None) -> Drawing:
         image = plot_blocks(ax, matrix)
         ax.set_title(name)
     figure.colorbar(
-        image, ax=list(axes), label="in units of both standard deviations", shrink=0.9, ticks=[-1, 0, 1]
+        image, ax=list(axes), label="divided by both standard deviations", shrink=0.9, ticks=[-1, 0, 1]
     )
-    largest = covariance_differences(covariance)
     return Drawing(
         figure,
         "Covariance after a motion of 1 m, divided by both standard deviations: of the filter, of the samples, and the "
