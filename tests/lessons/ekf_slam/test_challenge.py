@@ -35,6 +35,8 @@ def test_the_recorded_rows_say_what_the_lesson_says():
     assert rows["the reference"].columns["NEES"] == pytest.approx(6.3, abs=0.05)
     assert rows["a better one"].columns["NEES"] == pytest.approx(3.0, abs=0.05)
     assert rows["a better one"].score - rows["the reference"].score == pytest.approx(2.04, abs=0.01)
+    cases = zip(rows["a better one"].cases, rows["the reference"].cases, strict=True)
+    assert sum(better > reference for better, reference in cases) == 22
     assert min(rows["the reference"].cases) == pytest.approx(-19.3, abs=0.1)
 
 
