@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nao_course.exercises.answered import BLANK, copies_of
 from nao_course.exercises.checking import strict
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import TimeIsUp, alarm
-from nao_course.student.notebooks import notebooks_folder
+from nao_course.student.notebooks import notebook_of, notebooks_folder
 from nao_course.student.stages import (
     Readiness,
     add_from_stored,
@@ -35,9 +36,9 @@ SECONDS = 0.45  # for checking the notebooks: every lesson begins with this line
 class RobotStatus:
     """A line about the stages of the student's robot.
 
-    `ready` are stages such as "labels (01)" and `coming` the next one, if any; `why` says why it is not ready, and is
-    empty if its lesson has not been begun. `idle` is the present lesson's number if it adds no stage, and `unchecked`
-    are stages that were not checked for lack of time, so that they may be ready or not.
+    `ready` are stages such as "labels (01)" and `coming` the next one, if any; `why` says why it is not ready, if that
+    is known. `idle` is the present lesson's number if it adds no stage, and `unchecked` are stages that were not
+    checked for lack of time, so that they may be ready or not.
     """
 
     ready: tuple[str, ...] = ()
@@ -108,11 +109,19 @@ def _check(stages: Sequence[Stage], folder: Path, seconds: float) -> tuple[Readi
         more = None if after_unchecked else add_from_stored(found, stage, folder)
         if more is None and not after_unchecked:
             more = _in_time(found, stage, folder, end - time.monotonic())
+        if more is None and _is_blank(stage, folder):
+            more = replace(found, missing={**found.missing, stage.name: "not begun"})
         if more is None:
             unchecked.append(stage)
         else:
             found = more
     return found, unchecked
+
+
+def _is_blank(stage: Stage, folder: Path) -> bool:
+    """Return whether the notebook of a stage's lesson has no answer at all; none of its code runs."""
+    notebook = notebook_of(stage.lesson, folder)
+    return copies_of(stage.lesson, [notebook])[0].inspection.problem == BLANK
 
 
 def _in_time(found: Readiness, stage: Stage, folder: Path, seconds: float) -> Readiness | None:

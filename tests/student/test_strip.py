@@ -45,6 +45,15 @@ def test_a_notebook_that_needs_more_time_keeps_nobody_from_beginning_a_lesson(he
     assert said == "Your NAO so far: not checked yet (run progress()): distances (90)"
 
 
+def test_a_notebook_without_an_answer_is_not_begun_however_little_time_there_is(here):
+    blank = [
+        f"{source[: source.index(':', source.index(')')) + 1]}\n    raise NotImplementedError"
+        for source in (toy.CLAMP, toy.MEAN)
+    ]
+    toy.write(here / "90_toy.ipynb", *(("solution", each) for each in blank))
+    assert repr(so_far(seconds=-1)) == "Your NAO so far: nothing yet · next: distances (90) (not begun)"
+
+
 LACKS = "mean_of_positive of lesson 90 does not pass its check yet"
 
 
