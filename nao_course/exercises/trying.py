@@ -136,6 +136,8 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "'function' object has no attribute": (
         "That is a function, not an array. Did you mean another name, or forget to call it?"
     ),
+    "tuple indices must be integers": "That is a tuple of several values, not one array. Unpack it first, as in hue, "
+    "saturation, lightness = rgb_to_hsl(picture).",
     "'tuple' object has no attribute": "That is a tuple: several values in one. Unpack it first, as in F, G = "
     "motion_jacobians(pose, control).",
     "has no attribute 'to_local'": "That line needs a Pose, not an array: Pose(*pose).",
@@ -158,6 +160,7 @@ _PARTS = {  # names that lessons give to the parts of an argument
 }
 _UNKNOWN = re.compile(r"name '(\w+)' is not defined; the function(?:'s arguments are (.*)| has no arguments)")
 _WHOSE = re.compile(r"; (?:(the notebook's name)|the argument) (\w+) is of type (\w+)")
+_UNBOUND = re.compile(r"UnboundLocalError: .*?local variable '(\w+)'")
 _INSIDE_EARLIER = re.compile(r"\(inside (\w+) of your lesson \d+\)")
 _HOMES = {  # functions that a student may call in any notebook
     **dict.fromkeys(("functions", "my_nao", "progress", "so_far"), "nao_course.student"),
@@ -184,6 +187,11 @@ def advice_on(complaint: str, line: str = "") -> list[str]:
         ]
     if advice := _on_unknown_part(complaint):
         return [advice]
+    if (unbound := _UNBOUND.search(complaint)) and re.search(rf"\b{unbound[1]}\(", line):
+        return [
+            f"Inside your function {unbound[1]} is now a variable, so the function of that name cannot be called. "
+            "Give the result another name."
+        ]
     if whose := _WHOSE.search(complaint):
         if whose[1]:
             return [

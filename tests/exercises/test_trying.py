@@ -130,6 +130,7 @@ def test_numpys_complaint_gets_one_piece_of_advice_that_fits():
         (lambda: np.array([[1, np.zeros(3)], [0, 1]]), "pose[2] is the heading"),
         (lambda: (lambda: 0).shape, "a function, not an array"),
         (lambda: 1.5 ^ 2, "A power is written **"),
+        (lambda: (np.ones(2),).__getitem__((..., 0)), "Unpack it first"),
         (lambda: np.zeros(3) + np.zeros(2), "the position of a pose (x, y, theta) is pose[:2]"),
         (lambda: float(sympy.Symbol("x")), "SymPy symbols"),
         (lambda: np.sin(sympy.Symbol("x")), "use SymPy's sin"),
@@ -145,6 +146,11 @@ def test_numpys_complaint_gets_one_piece_of_advice_that_fits():
         complaint = "ValueError: The truth value of an array with more than one element is ambiguous."
         assert "Build a new list" in trying.advice_on(complaint, line)[0]
         assert "True or False. Instead of" in trying.advice_on(complaint, "if low <= hue <= high:")[0]
+    for line, advice in [("nis = nis(nu, S)", "another name"), ("nis += 1", "")]:
+        complaint = (
+            "UnboundLocalError: cannot access local variable 'nis' where it is not associated with a value"
+        )
+        assert advice in "".join(trying.advice_on(complaint, line)) and bool(advice) == ("(" in line)
 
 
 WHOSE = {

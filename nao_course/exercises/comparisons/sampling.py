@@ -26,11 +26,15 @@ _REPEATED = 8  # seeds that are used twice, because equal generators must give e
 def each_seed(function: Callable[..., Any], *given: Any) -> list[Any] | npt.NDArray[np.float64]:
     """Call ``function(..., rng) -> float`` once with each seed's generator, and return its answers.
 
-    The last argument contains the seeds in place of the generator. Answers that are all floats are an array, because it
-    is sent much faster.
+    The last argument contains the seeds in place of the generator. The last call gets the arguments themselves, so that
+    a change of them is noticed. Answers that are all floats are an array, because it is sent much faster.
     """
     *args, seeds = given
-    answers = [function(*map(copied, args), _generator(int(seed))) for seed in seeds]
+    last = len(seeds) - 1
+    answers = [
+        function(*(args if number == last else map(copied, args)), _generator(int(seed)))
+        for number, seed in enumerate(seeds)
+    ]
     return np.array(answers) if all(type(each) is float for each in answers) else answers
 
 

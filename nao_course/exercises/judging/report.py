@@ -204,7 +204,9 @@ def _explain(
             if "is out of bounds for axis" in outcome.text and any(
                 map(_is_picture, exercise.cases[first].args)
             ):
-                lines.append("In a picture, the row comes first.")
+                lines.append(
+                    "In a picture, the row comes first. Take its size from shape: the check's pictures are small."
+                )
     parts = _right_parts(exercise, wrong)
     return Report(exercise.name, state, (*lines, *_recognised(exercise, outcomes, wrong), *parts))
 
