@@ -376,6 +376,12 @@ COVARIANCE_ELLIPSE = Exercise(
             variances[::-1] => variances
             directions[:, 1] => directions[:, 0]
             You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis.
+        not sorted, reversed: np.linalg.eigh(covariance) => np.linalg.eig(covariance)
+            You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis.
+        the eigenvector for the angle: np.arctan2(y, x) => directions[:, 1]
+            You return the eigenvector. The angle is np.arctan2 of its y and x.
+        probability in percent: np.log(1 - probability) => np.log(1 - probability / 100)
+            You divide by 100, but probability is a fraction already, 0.95 and not 95.
         diameters: return sigmas => return 2 * sigmas
             Your axes are twice too long. A semi-axis reaches from the centre to the edge.
         two standard deviations: np.sqrt(-2 * np.log(1 - probability)) => 2.0
@@ -535,6 +541,12 @@ KALMAN_UPDATE = Exercise(
         H left out: np.linalg.solve(S, H @ covariance).T => covariance / (covariance + R)
             left @ covariance @ left.T + K @ R @ K.T => (np.eye(len(mean)) - K) @ covariance
             You use the formulas of one dimension, where H is 1. With matrices, S = H P Hᵀ + R, and H or its transpose is also a factor of the gain and of the covariance.
+        H left out, entry by entry: + gain = covariance / (covariance + R)
+            + return mean + gain * innovation, (1 - gain) * covariance
+            You use the formula for one number. With H it becomes a matrix product: see the shapes above.
+        H left out of the gain: np.linalg.solve(S, H @ covariance).T => covariance / (covariance + R)
+            left @ covariance @ left.T + K @ R @ K.T => left @ covariance
+            Your gain is the formula for one number. With H it becomes a matrix product: see the shapes above.
         gain transposed: covariance).T => covariance)
             left @ covariance @ left.T + K @ R @ K.T => left @ covariance
             Your gain is transposed: S^-1 H P is Kᵀ. K has a row for each value of the state and a column for each measurement.
@@ -555,6 +567,11 @@ KALMAN_UPDATE = Exercise(
             + moved = mean + K @ innovation
             + moved[2:3] = (moved[2:3] + np.pi) % (2 * np.pi) - np.pi
             You wrap the third value of the mean. This function works for any state, and in lesson 07 the third value is not always an angle. Wrap the heading in localize instead.
+        third value wrapped: return mean + K @ innovation => return moved
+            - K @ H => - K @ H
+            + moved = mean + K @ innovation
+            + moved[2] = (moved[2] + np.pi) % (2 * np.pi) - np.pi
+            You wrap the third value of the mean. Angles are not wrapped here, and the state may have one value only. Wrap the heading in localize instead.
         bearing wrapped here: + innovation = np.append((innovation[0] + np.pi) % (2 * np.pi) - np.pi, innovation[1:])
             You wrap the first value of the innovation. This function works for any measurement, and the first value is not always an angle. The function innovation has wrapped it already.
         1 for I: np.eye(len(mean)) => 1
@@ -573,6 +590,12 @@ KALMAN_UPDATE = Exercise(
             Your I has as many rows as there are measurements. K H is (n, n), so I needs a row for each value of the state: np.eye(len(mean)).
         the Joseph form without a transpose: left.T => left
             The second I - K H of equation 6.7 must be transposed: (I - K H) P (I - K H)ᵀ. Your matrix is not symmetric.
+        P left out in the difference: left @ covariance @ left.T + K @ R @ K.T => covariance - K @ H
+            P is missing behind K H: (I - K H) P is P - K H P.
+        S in the Joseph form: K @ R @ K.T => K @ S @ K.T
+            The last term of equation 6.7 is K R Kᵀ. S contains R, but also P, which is in the first term already.
+        R left out of the difference: left @ covariance @ left.T + K @ R @ K.T => covariance - K @ (S - R) @ K.T
+            Your S in the covariance lacks R. P - K S Kᵀ needs the same S as the gain, H P Hᵀ + R.
         P multiplied entry by entry: left @ covariance @ left.T + K @ R @ K.T => left * covariance
             You multiply I - K H and P entry by entry with *. Use the matrix product: (I - K H) @ P.
         second K of the Joseph form not transposed: K @ R @ K.T => K @ R @ K
@@ -707,7 +730,7 @@ LOCALIZE = Exercise(
         range wrapped: innovation(expected_measurement(pose, landmark), measurement) => (measurement - expected_measurement(pose, landmark) + np.pi) % (2 * np.pi) - np.pi
             You wrap the innovation of the range, too. It is in metres, so a difference of 4 m must stay 4 m. Wrap the bearing only, as your function innovation does.
         heading not wrapped: np.arctan2(np.sin(theta), np.cos(theta)) => theta
-            Your result is right until the new heading passes pi or -pi. Wrap the heading after the update.
+            Your result is right until the new heading passes pi or -pi. Wrap the heading after the update, in radians.
         heading 0 to a full turn: np.arctan2(np.sin(theta), np.cos(theta)) => theta % (2 * np.pi)
             Your heading is between 0 and 2 pi. Return it between -pi and pi: (angle + np.pi) % (2 * np.pi) - np.pi.
         heading wrapped from above only: np.arctan2(np.sin(theta), np.cos(theta)) => theta - 2 * np.pi * (theta > np.pi)
@@ -725,6 +748,12 @@ LOCALIZE = Exercise(
             + jacobian = measurement_jacobian_pose((x, y, theta), landmark)
             + (x, y, theta), covariance = kalman_update(np.array([x, y, theta]), covariance, difference, jacobian, R)
             You update twice with the same measurement. The second time it contains no new information, so your covariance becomes too small. Update once.
+        iterated: (x, y, theta), covariance => (x, y, theta), _
+            + again = np.array([x, y, theta])
+            + jacobian = measurement_jacobian_pose(again, landmark)
+            + difference = innovation(expected_measurement(again, landmark), measurement) - jacobian @ (pose - again)
+            + (x, y, theta), covariance = kalman_update(pose, covariance, difference, jacobian, R)
+            You linearise again at the corrected pose. That is a better filter, and useful in the challenge; here linearise once, at the estimated pose.
         bearing alone: difference, jacobian, R => difference[:1], jacobian[:1], R[:1, :1]
             You update with the bearing only. The range contains information about the distance, so use both rows.
         R squared: jacobian, R => jacobian, R**2
