@@ -71,7 +71,9 @@ def test_each_call_has_the_generator_of_its_seed_and_inputs_of_its_own_and_the_f
         values += 1
         return float(values[0, 0])
 
-    assert list(each_seed(greedy, VALUES, 40, [1, 2, 3])) == [1.0, 1.0, 1.0]
+    given = VALUES.copy()
+    assert list(each_seed(greedy, given, 40, [1, 2, 3])) == [1.0, 1.0, 1.0]
+    assert (given == VALUES + 1).all()  # by the last call, so that a change of the arguments is noticed
     case = Case((VALUES, 300), kwargs={"scale": 2.0})
     assert all(each.kwargs == {"scale": 2.0} for each in LAW.calls(case))
     seeds = [0, 7, 279, 7]
