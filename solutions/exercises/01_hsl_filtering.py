@@ -131,6 +131,8 @@ RGB_TO_HSL = Exercise(
             Your grey pixels have saturation 1, because divisor is 1 there. It is meant for denominators only. The numerator of equation 1.2 is largest - smallest.
         the hue's divisor: np.where(grey, 1.0, 1 - np.abs(largest + smallest - 1)) => divisor
             Your saturation is 1 for every colour, because its denominator equals M - m. The denominator of equation 1.2 is 1 - |M + m - 1|, with a plus sign.
+        taken for radians: 60 * sixths % 360 => np.degrees(sixths) % 360
+            The lines of equation 1.3 are sixths of the circle, not radians: multiply by 60.
         60 forgotten: 60 * sixths % 360 => sixths % 6
             Your hues are between 0 and 6, in sixths of the circle. Multiply them by 60 degrees.
         60 before the modulo of 6: 60 * sixths % 360 => 60 * sixths % 6
@@ -238,6 +240,12 @@ AVERAGE_LIGHTNESS = Exercise(
             You return the mean of the indices that you drew. Use them as an index of lightness.ravel(), and return the mean of those pixels.
         always 1000: size=n_samples => size=1000
             Your sample always has 1000 pixels. Draw n_samples pixels.
+        always 10: size=n_samples => size=10
+            Your sample always has 10 pixels. Draw n_samples pixels, not a number of your own.
+        shuffled in place: + pixels = lightness.ravel()
+            + rng.shuffle(pixels)
+            + return float(pixels[:n_samples].mean())
+            lightness.ravel() is a view: shuffling it shuffles the picture. Use rng.choice or rng.permutation.
         divided by all pixels: lightness.ravel()[chosen].mean() => lightness.ravel()[chosen].sum() / lightness.size
             You divide the sum of your sample by the number of all pixels. Divide it by the number of pixels in the sample, n_samples.
         evenly spaced pixels: rng.integers(0, lightness.size, size=n_samples) => np.linspace(0, lightness.size - 1, n_samples).astype(int)
@@ -312,6 +320,10 @@ WHITE_THRESHOLD = Exercise(
             Your threshold falls when the mean rises, because you exchange the two terms of the difference. It is max_lightness - beta.
         sum in the brackets: (max_lightness - beta) => (max_lightness + beta)
             You add beta inside the brackets. The fraction multiplies the difference (max_lightness - beta).
+        255 in the denominator: mean_lightness / max_lightness => mean_lightness / 255
+            You divide by 255. Use max_lightness, not 255.
+        the number of the example: + return 172.94
+            Your threshold does not depend on the mean. Use mean_lightness.
         255 in the brackets: (max_lightness - beta) => (255.0 - beta)
             In the brackets you use 255. Use the argument max_lightness there, too.
         beta inside the brackets: + return (beta + (max_lightness - beta)) * mean_lightness / max_lightness
@@ -401,6 +413,8 @@ HUE_MASK = Exercise(
             If low is larger than high, you leave out hues that are equal to a limit. The hues outside the interval are strictly between high and low.
         the hues themselves: + return hue[(hue >= low) & (hue <= high)]
             You return the hues inside the interval. Return the mask itself, which has one True or False for each hue.
+        the hues themselves, through 0: return above & below if low <= high else above | below => return hue[above & below if low <= high else above | below]
+            You return the hues inside the interval. Return the mask itself.
         or for and: above & below if low <= high else =>
             Your mask is True everywhere, because each hue is above low or below high. Both conditions must hold: use &.
         bytes: return above & below if low <= high else above | below => return np.uint8(255) * (above & below if low <= high else above | below)
@@ -667,7 +681,7 @@ CALIBRATE_HUE = Exercise(
         index past the end: % len(hues) =>
             Your index can be len(hues), which does not exist. After the last hue comes the first: use (k + 1) % len(hues).
         a width as an index: gaps.argmax() => gaps.max()
-            You use the width of the widest gap as an index. gaps.argmax() returns its place among the gaps.
+            Your index does not exist. If it is the width of the widest gap, use gaps.argmax(), its place among the gaps. If you sorted hue itself: np.sort sorts each row of a picture by itself, and hue[saturation > 0] leaves out the grey pixels and puts the others in one row.
         the narrowest gap: gaps.argmax() => gaps.argmin()
             Your arc leaves out the narrowest gap between neighbouring hues. The smallest arc leaves out the widest one: use argmax.
         the narrowest gap of equal hues: np.unique(hue[saturation > 0]) => np.sort(hue[saturation > 0])
