@@ -89,10 +89,29 @@ def test_the_payoff_is_drawn_by_the_students_functions_and_says_which_lines_are_
         draw_payoff(**functions | {"calibrate_hue": blank})
 
 
-def test_epsilon_widens_the_limits_of_green_and_would_widen_those_of_yellow_as_lesson_01_says():
+def scene_of_the_lesson():
+    """Return the picture and its true labels."""
     nao = SimulatedNao(Field(2012), Pose(0.6, 0.5, -0.25), rng=41)
-    hue, saturation, _ = HSL["rgb_to_hsl"](nao.take_picture("bottom").pixels)
-    labels = Truth(nao).picture.labels
+    return nao.take_picture("bottom").pixels, Truth(nao).picture.labels
+
+
+def test_the_carpet_is_as_bright_as_the_lesson_says_at_its_three_pixels_and_in_the_glare():
+    picture, labels = scene_of_the_lesson()
+    hue, _, lightness = HSL["rgb_to_hsl"](picture)
+    carpet, darker, line = pixels = (159, 1), (237, 50), (129, 319)
+    bright, dark, white = (picture[each].astype(int) for each in pixels)
+    assert (np.abs(bright - white) < np.abs(bright - dark)).all()
+    assert hue[carpet] == pytest.approx(135) and hue[darker] == pytest.approx(135)
+    threshold = HSL["white_threshold"](HSL["average_lightness"](lightness, 1000, np.random.default_rng(0)))
+    found = HSL["color_labels"](picture, (109.0, 144.0), (58.0, 62.0), threshold)
+    assert [found[each] for each in pixels] == [labels[each] for each in pixels] == [1, 1, 3]
+    parts = [(labels[found == 3] == each).mean() for each in (0, 1)]
+    assert 0.5 < parts[0] < 0.55 and 0.29 < parts[1] < 1 / 3
+
+
+def test_epsilon_widens_the_limits_of_green_and_would_widen_those_of_yellow_as_lesson_01_says():
+    picture, labels = scene_of_the_lesson()
+    hue, saturation, _ = HSL["rgb_to_hsl"](picture)
     goal = cv2.erode((labels == 2).astype(np.uint8), np.ones((5, 5))) > 0
     assert goal.sum() == 1724
     for example, of, epsilon, part in (
