@@ -311,7 +311,7 @@ WHITE_THRESHOLD = Exercise(
         one minus the fraction: mean_lightness / max_lightness => (1 - mean_lightness / max_lightness)
             Your threshold falls when the mean rises, because you use 1 minus the fraction. The fraction is mean_lightness / max_lightness itself.
         fraction rounded down: * mean_lightness / max_lightness => * (mean_lightness // max_lightness)
-            You always return beta, because // rounds your fraction down to 0. Divide with /.
+            Your threshold does not depend on the mean: it is always beta. If you divide with //, your fraction is rounded down to 0; divide with /.
         beta subtracted from the mean: mean_lightness / max_lightness => (mean_lightness - beta) / max_lightness
             You subtract beta from the mean. The numerator of the fraction is mean_lightness alone.
         not divided: mean_lightness / max_lightness => mean_lightness

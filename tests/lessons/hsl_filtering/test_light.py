@@ -98,7 +98,7 @@ def scene_of_the_lesson():
 def test_the_carpet_is_as_bright_as_the_lesson_says_at_its_three_pixels_and_in_the_glare():
     picture, labels = scene_of_the_lesson()
     hue, _, lightness = HSL["rgb_to_hsl"](picture)
-    carpet, darker, line = pixels = (159, 1), (237, 50), (129, 319)
+    carpet, darker, _ = pixels = (159, 1), (237, 50), (129, 319)
     bright, dark, white = (picture[each].astype(int) for each in pixels)
     assert (np.abs(bright - white) < np.abs(bright - dark)).all()
     assert hue[carpet] == pytest.approx(135) and hue[darker] == pytest.approx(135)
