@@ -5,6 +5,7 @@ from nao_course.datasets.carmen import CarmenLog, read_carmen_log
 from nao_course.datasets.files import DATA_VARIABLE, data_folder
 from nao_course.datasets.freiburg_graph import read_freiburg_graph
 from nao_course.datasets.g2o import read_g2o, write_g2o
+from nao_course.datasets.intel import intel_graph
 from nao_course.datasets.logs import (
     FreiburgLog,
     HomeworkLog,
@@ -15,6 +16,7 @@ from nao_course.datasets.logs import (
 )
 from nao_course.datasets.mrclam import MrclamLog, read_mrclam_log
 from nao_course.datasets.pictures import AnnotatedPoint, PictureSet, PointKind, RealPicture, read_pictures
+from nao_course.datasets.real_walk import recorded_walk
 
 __all__ = [
     "DATA_VARIABLE",
@@ -28,6 +30,7 @@ __all__ = [
     "PointKind",
     "RealPicture",
     "data_folder",
+    "intel_graph",
     "read_carmen_log",
     "read_freiburg_graph",
     "read_freiburg_log",
@@ -35,6 +38,7 @@ __all__ = [
     "read_homework_log",
     "read_mrclam_log",
     "read_pictures",
+    "recorded_walk",
     "write_g2o",
     "write_homework_log",
 ]

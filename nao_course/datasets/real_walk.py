@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nao_course.geometry import FloatArray
 from nao_course.sim import Field
 from nao_course.sim.drives import Drive, Step
 from nao_course.slam import Motion
@@ -25,7 +26,7 @@ def recorded_walk() -> Drive:
     Returns
     -------
     Drive
-        The landmarks are those of `FIELD`, m, field frame. Each of the 30 steps has the pose at which a person put the
+        Its landmarks are the landmarks of `FIELD`, m, field frame. Each of the 30 steps has the pose at which a person put the
         robot down, and bearing and range of the posts and corners that the course's detectors found in its picture,
         with covariances. Each measurement has the number of the landmark of its kind that fits it best from this pose;
         three that fit none are left out. The commands are straight ahead.
@@ -34,7 +35,8 @@ def recorded_walk() -> Drive:
     -----
     ``python -m benchmarks recorded_walk`` makes the file from the pictures; docs/real_data.md states their source.
     """
-    steps, before = list[Step](), None
+    steps = list[Step]()
+    before: FloatArray | None = None
     for stop in json.loads(FILE.read_text(encoding="utf-8")):
         pose, seen = np.array(stop["pose"]), np.array(stop["seen"]).reshape(-1, 6)
         motion = None if before is None else Motion(float(pose[0] - before[0]), 0.0)

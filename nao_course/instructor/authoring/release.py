@@ -32,7 +32,7 @@ FOLDER = "nao-course"
 AS_THEY_ARE = ("LICENSE", "Makefile", "pyproject.toml", "requirements.lock")
 README = "docs/for_students.md"
 # Kinds of the library's files; the checks' data is chosen by lesson
-LIBRARY_KINDS = {".css", ".js", ".json", ".npz", ".py", ".toml", ".txt", ".typed"}
+LIBRARY_KINDS = {".css", ".g2o", ".js", ".json", ".npz", ".py", ".toml", ".txt", ".typed"}
 ALL_LESSONS = "all lessons"  # reported instead of a single lesson's name
 
 

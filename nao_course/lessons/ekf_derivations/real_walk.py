@@ -1,4 +1,4 @@
-"""The student's expected measurements beside those of a real NAO's walk."""
+"""The student's expected measurements beside the measurements of a real NAO's walk."""
 
 from __future__ import annotations
 
@@ -45,17 +45,12 @@ def draw_real_measurements(expected_measurement: Function) -> Drawing:
     left, right = figure.subplots(1, 2)
     for ax, values, name, unit in ((left, off[:, 0], "Bearing", "°"), (right, off[:, 1], "Range", "m")):
         ax.axhline(0, color=STYLES["truth"].colour, lw=1)
-        for kind, marker, source in (("post", "o", "ekf"), ("corner", "s", "graph")):
+        for kind, marker, colour in (
+            ("post", "o", STYLES["ekf"].colour),
+            ("corner", "s", STYLES["graph"].colour),
+        ):
             shown = kinds == kind
-            ax.plot(
-                expected[shown, 1],
-                values[shown],
-                marker,
-                color=STYLES[source].colour,
-                ms=5,
-                alpha=0.7,
-                label=kind,
-            )
+            ax.plot(expected[shown, 1], values[shown], marker, color=colour, ms=5, alpha=0.7, label=kind)
         ax.set(title=name, xlabel="distance (m)", ylabel=f"measured minus expected ({unit})")
     legend_below(figure, left.get_legend_handles_labels()[0])
     said = [

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -32,13 +30,18 @@ def draw_real_walk(localize: Function, predict_pose: Function, predict_covarianc
     Drawing
         A map of the whole field, and the errors of position and heading after each picture.
     """
-    functions: tuple[Any, ...] = (localize, predict_pose, predict_covariance)
-    trace = follow(recorded_walk(), *functions, np.diag(np.square(START_SIGMAS)), WRONG_START)
+    trace = follow(
+        recorded_walk(),
+        localize,
+        predict_pose,
+        predict_covariance,
+        np.diag(np.square(START_SIGMAS)),
+        WRONG_START,
+    )
     figure = Figure(figsize=(10.6, 4.6))
     left, upper, lower = figure.subplot_mosaic("ab;ac", width_ratios=(1.3, 1.0)).values()
     plot_field(FIELD, left)
-    for source, poses in (("truth", trace.truth), ("ekf", trace.poses)):
-        style = STYLES[source]
+    for style, poses in ((STYLES["truth"], trace.truth), (STYLES["ekf"], trace.poses)):
         left.plot(*poses[:, :2].T, style.marker, ls=style.line, color=style.colour, ms=3.5, lw=1.2, zorder=4)
     for pose, covariance in zip(trace.poses[::EVERY], trace.covariances[::EVERY], strict=True):
         plot_ellipse(pose[:2], covariance[:2, :2], left, "ekf")

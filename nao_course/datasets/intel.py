@@ -10,7 +10,7 @@ from nao_course.datasets.g2o import read_g2o
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
 
-FILE = Path(__file__).with_name("intel.g2o")
+FILE = Path(__file__).with_suffix(".g2o")
 
 
 def intel_graph(file: Path | str = FILE) -> tuple[Graph, FloatArray, FloatArray]:
