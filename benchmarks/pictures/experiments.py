@@ -16,7 +16,13 @@ from benchmarks.challenges.posts import labels_of
 from nao_course.lessons.experiments.paper_table import BEST, BETAS, GAPS, LENGTHS, PAPER_MEANS, SETTINGS
 from nao_course.lessons.experiments.reading import RECORDED, SIZES, impossible_means
 from nao_course.lessons.experiments.resampling import optimism, rank_correlation, shares_won
-from nao_course.lessons.experiments.scenes import CornerScene, nothing_costs, real_scenes, simulated_scenes
+from nao_course.lessons.experiments.scenes import (
+    COSTS,
+    CornerScene,
+    nothing_costs,
+    real_scenes,
+    simulated_scenes,
+)
 from nao_course.metrics import mean_interval
 
 OWN, CORNERS = solution("10"), solution("03")
@@ -61,6 +67,7 @@ def main() -> Result:
     tables = {name: search(scenes) for name, scenes in others.items()}
     sets |= {name: measured(tables[name], scenes) for name, scenes in others.items()}
     write_json(RECORDED, sets, 1)
+    write_json(COSTS, [np.round(tune[setting], 4).tolist() for setting in SETTINGS])
     found, shares = optimism(tune), shares_won(tune)
     best = min(tune, key=lambda setting: float(tune[setting].mean()))
     values: dict[str, Any] = {

@@ -26,9 +26,9 @@ def recorded_walk() -> Drive:
     Returns
     -------
     Drive
-        Its landmarks are the landmarks of `FIELD`, m, field frame. Each of the 30 steps has the pose at which a person put the
-        robot down, and bearing and range of the posts and corners that the course's detectors found in its picture,
-        with covariances. Each measurement has the number of the landmark of its kind that fits it best from this pose;
+        Its landmarks are the landmarks of `FIELD`, m, field frame. Each of the 30 steps has the pose at which a person
+        put the robot down, and bearing and range of the posts and corners that the course's detectors found in its
+        picture, with covariances. Each measurement has the number of the landmark of its kind that fits it best from this pose;
         three that fit none are left out. The commands are straight ahead.
 
     Notes

@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 
 from nao_course.exercises import try_out
+from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.lessons.experiments import scenes
 from nao_course.lessons.experiments.paper_table import SETTINGS
-from nao_course.lessons.experiments.scenes import nothing_costs, real_scenes, search_scenes, simulated_scene
+from nao_course.lessons.experiments.reading import recorded_means
+from nao_course.lessons.experiments.scenes import (
+    nothing_costs,
+    real_scenes,
+    search_scenes,
+    simulated_scene,
+    simulated_scenes,
+)
 from nao_course.sim.scenes import standard_scene
 from tests.lessons.every import blank
 
@@ -58,3 +66,15 @@ def test_real_scenes_have_the_corners_that_were_marked(data_dir, monkeypatch):
     monkeypatch.setenv("NAO_COURSE_DATA", str(data_dir))
     found = real_scenes("straightwalk")
     assert len(found) == 30 and nothing_costs(found).sum() == 94
+
+
+def test_without_lesson_03_the_table_is_the_solutions_and_a_note_says_so(capsys):
+    def grid_search(scenes, betas, gaps, lengths):
+        raise EarlierNotUsable("find_corners of your lesson 03 is not usable yet.")
+
+    table = search_scenes(grid_search, simulated_scenes())
+    assert "is not usable yet. The table is therefore our solution's" in capsys.readouterr().out
+    means = recorded_means("320 x 240, the same pixels")
+    assert all(costs.mean() == pytest.approx(means[setting], abs=1e-4) for setting, costs in table.items())
+    with pytest.raises(EarlierNotUsable):
+        search_scenes(grid_search, PAIRS)
