@@ -5,14 +5,16 @@ A check that needs one function of a lesson then does not load the lesson's pane
 
 from __future__ import annotations
 
+import ast
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from nao_course._internal.renamed_names import RENAMED
 
-__all__ = ["import_when_asked", "list_public"]
+__all__ = ["import_as_typed", "import_when_asked", "list_public"]
 
 
 def list_public(module: str) -> Callable[[], list[str]]:
@@ -44,3 +46,21 @@ def import_when_asked(
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
     return sorted(module_of), look_up, list_public(package)
+
+
+def import_as_typed(package: str, file: str) -> Callable[[str], Any]:
+    """Return the ``__getattr__`` of a package that imports at first use what its file imports for type checkers only.
+
+    `file` is the package's ``__file__``; it has an ``if TYPE_CHECKING:`` block of ``from module import names``.
+    """
+    blocks = (each for each in ast.parse(Path(file).read_bytes()).body if isinstance(each, ast.If))
+    imports = [each for block in blocks for each in block.body if isinstance(each, ast.ImportFrom)]
+    names = {str(each.module): [name.name for name in each.names] for each in imports}
+    look_up = import_when_asked(package, names)[1]
+
+    def keep(name: str) -> Any:
+        value = look_up(name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    return keep

@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 from nao_course.challenges.declaration import Run
 from nao_course.challenges.worst_cases import draw_worst
 from nao_course.plotting import Drawing, plot_found, plot_picture
-from nao_course.plotting.style import FOUND, HALO
+from nao_course.plotting.halo import HALO
+from nao_course.plotting.style import FOUND
 
 
 def draw_worst_scenes(run: Run, what: str) -> Drawing:

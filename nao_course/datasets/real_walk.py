@@ -28,7 +28,7 @@ def recorded_walk() -> Drive:
     Drive
         Its landmarks are the landmarks of `FIELD`, m, field frame. Each of the 30 steps has the pose at which a person
         put the robot down, and bearing and range of the posts and corners that the course's detectors found in its
-        picture, with covariances. Each measurement has the number of the landmark of its kind that fits it best from this pose;
+        picture, with covariances. Each measurement has the number of the landmark of its kind that fits it best;
         three that fit none are left out. The commands are straight ahead.
 
     Notes

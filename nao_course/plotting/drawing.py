@@ -9,17 +9,17 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
-from matplotlib.patches import Patch
-from matplotlib.transforms import Bbox
-from PIL import Image
 
 from nao_course.geometry import FloatArray
 from nao_course.plotting.style import LABEL_COLOURS, course_style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from matplotlib.image import AxesImage
+    from matplotlib.transforms import Bbox
 
 # A number with its unit, a ratio or nothing, such as 3.1, 12 %, 23 of 98, 1.2 +- 0.3, -.
 _NUMBER = re.compile(
@@ -110,6 +110,8 @@ class Drawing:
 
     def _in_true_colours(self) -> Iterator[Bbox]:
         """Yield the places (pixels) of photographs, of pictures of labels and of the keys to these labels."""
+        from matplotlib.patches import Patch
+
         pictures = [
             axes
             for axes in self.figure.axes
@@ -118,7 +120,7 @@ class Drawing:
                 for image in axes.images
             )
         ]
-        yield from (Bbox(axes.bbox.get_points()) for axes in pictures)
+        yield from (axes.bbox.frozen() for axes in pictures)
         for legend in self.figure.legends if pictures else ():
             keys = (key for key in legend.legend_handles if isinstance(key, Patch))
             yield from (key.get_window_extent().padded(1) for key in keys)
@@ -143,6 +145,8 @@ def _around(boxes: Iterable[FloatArray], size: FloatArray) -> str:
 
 def _with_few_colours(png: bytes) -> bytes:
     """Return a PNG with a palette of 256 colours, a third as large and without visible loss for line drawings."""
+    from PIL import Image
+
     with Image.open(io.BytesIO(png)) as image:
         buffer = io.BytesIO()
         image.convert("RGB").quantize(256, Image.Quantize.MEDIANCUT).save(buffer, "png", optimize=True)

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from nao_course.plotting.drawing import Drawing
-from nao_course.plotting.style import HALO, course_style
+from nao_course.plotting.halo import HALO
+from nao_course.plotting.style import course_style
 
 GUESS = "#7a2cff"  # differs from the sources of poses
 _LINE: dict[str, Any] = {"color": GUESS, "ls": (0, (6, 3)), "zorder": 8}

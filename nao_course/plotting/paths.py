@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 
 from nao_course.geometry import FloatArray, Pose
 from nao_course.plotting.drawing import say_place
-from nao_course.plotting.style import HALO, style_of
+from nao_course.plotting.halo import HALO
+from nao_course.plotting.style import style_of
 
 PathLike = Pose | Sequence[Pose] | npt.ArrayLike
 

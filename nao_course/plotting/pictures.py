@@ -15,8 +15,9 @@ from matplotlib.lines import Line2D
 from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, as_points
 from nao_course.plotting.drawing import Drawing
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import label_keys, legend_below
-from nao_course.plotting.style import FOUND, HALO, LABEL_COLOURS, course_style
+from nao_course.plotting.style import FOUND, LABEL_COLOURS, course_style
 from nao_course.sim import LABELS, Picture, VisibleLandmark
 
 

@@ -9,9 +9,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal
 
-import matplotlib.style
 import numpy as np
-from matplotlib.patheffects import withStroke
 
 from nao_course.sim.field import MarkKind
 
@@ -56,7 +54,6 @@ DARK_CARPET, DARK_LINE, PAPER, DARK_PAPER = "#24382b", "#bccabd", "#f1f3f1", "#1
 LABEL_COLOURS = ("#4b4b55", "#3f9b55", "#f2c413", "#ffffff")  # other, green, yellow, white
 FOUND = "#ff3b81"  # rings around detected points; differs from the carpet, posts and lines
 _CONTRAST = 5.0  # of a colour with the dark carpet
-HALO = [withStroke(linewidth=2.5, foreground="white", alpha=0.8)]
 _OWN_STYLE = {
     "font.family": "DejaVu Sans",  # included in matplotlib, so that text looks the same on every machine
     "font.size": 10.5,
@@ -75,7 +72,9 @@ _OWN_STYLE = {
 @contextmanager
 def course_style() -> Iterator[None]:
     """Use the course's settings for matplotlib within a ``with`` block."""
-    with matplotlib.style.context(["default", _OWN_STYLE]):
+    from matplotlib.style import context  # takes long to import
+
+    with context(["default", _OWN_STYLE]):
         yield
 
 

@@ -15,11 +15,12 @@ from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.distance.looks import PIXEL_SIGMA, TILT_SIGMA, Function, MarkedPicture, look_around
 from nao_course.plotting.drawing import Drawing
 from nao_course.plotting.ellipses import ellipse_outlines, filled_outlines
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import landmark_keys, legend_below
 from nao_course.plotting.maps import plot_field, plot_landmarks
 from nao_course.plotting.paths import plot_pose
 from nao_course.plotting.pictures import plot_picture
-from nao_course.plotting.style import HALO, LANDMARK_MARKERS, STYLES, course_style
+from nao_course.plotting.style import LANDMARK_MARKERS, STYLES, course_style
 from nao_course.sim import Field
 
 POSE = Pose(0.95, 0.45, -0.12)

@@ -15,8 +15,9 @@ from matplotlib.patches import Patch
 from nao_course.geometry import FloatArray
 from nao_course.lessons.ekf_derivations.samples import SAMPLES, Cloud, draw, each_moved
 from nao_course.plotting import STYLES, Drawing, course_style, plot_ellipse
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import legend_below
-from nao_course.plotting.style import GREY, HALO
+from nao_course.plotting.style import GREY
 
 Function = Callable[..., Any]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nao_course.widgets.derivation import DerivationSheet, derivation
+from nao_course.widgets.derivation_sheet import DerivationSheet, derivation
 
 
 def motion_sheet() -> DerivationSheet:

@@ -19,8 +19,9 @@ from nao_course.lessons.goalposts.scenes import turning_head
 from nao_course.metrics import total, wilson_interval
 from nao_course.plotting import LABEL_COLOURS, STYLES, Drawing, course_style, plot_found, plot_picture
 from nao_course.plotting.drawing import Table, table
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import label_keys, legend_below
-from nao_course.plotting.style import FOUND, GREY, HALO, style_of
+from nao_course.plotting.style import FOUND, GREY, style_of
 from nao_course.sim import LABELS
 
 CANDIDATE = "#7a2cff"  # apart from feet, carpet, posts and lines

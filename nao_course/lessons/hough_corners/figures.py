@@ -18,8 +18,9 @@ from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, as_points
 from nao_course.lessons.hough_corners.scenes import three_places
 from nao_course.plotting import Drawing, course_style, plot_found, plot_picture
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.marks import TRUE
-from nao_course.plotting.style import FOUND, HALO
+from nao_course.plotting.style import FOUND
 
 # The colours are used in turn, so that neighbouring segments differ; black is for the truth.
 SEGMENTS = ("#0072b2", "#d55e00", "#7a2cff")

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.plotting.drawing import Drawing
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import label_keys, legend_below
-from nao_course.plotting.style import HALO, LABEL_COLOURS, course_style
+from nao_course.plotting.style import LABEL_COLOURS, course_style
 from nao_course.sim import LABELS
 
 Pixels = npt.NDArray[np.uint8]

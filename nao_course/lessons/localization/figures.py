@@ -36,8 +36,9 @@ from nao_course.plotting import (
     plot_pose,
 )
 from nao_course.plotting.guesses import GUESS
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.style import GREY, HALO
+from nao_course.plotting.style import GREY
 from nao_course.sim import SensorNoise
 
 TRUE, START = Pose(1.7, 0.5, 0.25), Pose(1.15, 0.1, 0.5)  # true pose, and the wrong estimate at the start

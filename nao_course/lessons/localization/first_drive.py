@@ -30,8 +30,9 @@ from nao_course.plotting import (
     plot_landmarks,
     plot_pose,
 )
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.style import GREY, HALO
+from nao_course.plotting.style import GREY
 
 FIRST = 6  # seed of the drive
 EVERY = 3  # steps between two ellipses on the map

@@ -23,8 +23,9 @@ from nao_course.plotting import (
     plot_pose,
 )
 from nao_course.plotting.ellipses import ellipse_outlines
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.style import GREY, HALO
+from nao_course.plotting.style import GREY
 from nao_course.sim import SensorNoise
 from nao_course.slam import Measurement, range_and_bearing
 

@@ -12,11 +12,12 @@ from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Patch, Rec
 
 from nao_course.geometry import FloatArray, Pose
 from nao_course.plotting.drawing import Drawing, say_angle
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.maps import plot_field, say_field
 from nao_course.plotting.paths import plot_pose
 from nao_course.plotting.pictures import plot_picture
-from nao_course.plotting.style import CARPET, HALO, STYLES, course_style
+from nao_course.plotting.style import CARPET, STYLES, course_style
 from nao_course.sim import NAO_V4, CameraView, Field, SimulatedNao
 
 

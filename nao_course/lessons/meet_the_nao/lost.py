@@ -15,10 +15,11 @@ from matplotlib.lines import Line2D
 from nao_course._internal.counts import say_count
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.plotting.drawing import Drawing
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.maps import plot_field, plot_landmarks, plot_measurements
 from nao_course.plotting.paths import plot_path, plot_pose
-from nao_course.plotting.style import GREY, HALO, STYLES, course_style
+from nao_course.plotting.style import GREY, STYLES, course_style
 from nao_course.sim import Field, SensorNoise, SimulatedNao, Truth, repeat_drive
 from nao_course.slam import Measurement, Motion
 

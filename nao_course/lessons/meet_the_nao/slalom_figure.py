@@ -11,10 +11,11 @@ from nao_course.challenges import EntryReport, Run
 from nao_course.geometry import FloatArray
 from nao_course.lessons.meet_the_nao.slalom import GATES
 from nao_course.plotting.drawing import Drawing
+from nao_course.plotting.halo import HALO
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.maps import plot_field
 from nao_course.plotting.paths import plot_path
-from nao_course.plotting.style import HALO, STYLES, YELLOW, course_style
+from nao_course.plotting.style import STYLES, YELLOW, course_style
 from nao_course.sim import Field
 
 POLE = "#b3261e"

@@ -4,7 +4,7 @@ import pytest
 import sympy
 from sympy import Matrix, atan2, cos, sin
 
-from nao_course.widgets.derivation import _RIGHT, _WRONG, DerivationSheet, derivation, parse
+from nao_course.widgets.derivation_sheet import _RIGHT, _WRONG, DerivationSheet, derivation, parse
 
 x, theta, d, e = sympy.symbols("x theta d e")
 MODEL = Matrix([x + (d + e) * cos(theta), theta + e**2])
