@@ -194,6 +194,11 @@ both plus in xi: xi[FIRST] -= => xi[FIRST] +=
 plus off the diagonal: omega[FIRST, SECOND] -= weight => omega[FIRST, SECOND] += weight
     omega[SECOND, FIRST] -= weight => omega[SECOND, FIRST] += weight
     The entries off the diagonal have the wrong sign. The product of both variables in the square has a minus: subtract the weight there.
+a copy of a block: omega[FIRST, FIRST] += weight => omega[[FIRST, SECOND]][:, [FIRST, SECOND]] += weight
+    omega[SECOND, SECOND] += weight => pass
+    omega[FIRST, SECOND] -= weight => pass
+    omega[SECOND, FIRST] -= weight => pass
+    Your xi is right, but your Omega stays as it was. omega[rows][:, columns] is a copy, so += changes nothing in omega. Change the four entries one by one, or use omega[np.ix_(ij, ij)] with ij = [FIRST, SECOND].
 one entry off the diagonal: omega[SECOND, FIRST] -= weight => pass
     Omega must be symmetric. You change omega[FIRST, SECOND] but not omega[SECOND, FIRST].
 nothing on one diagonal: omega[FIRST, FIRST] += weight => pass
@@ -558,8 +563,12 @@ SOLVE = Exercise(
             Your fraction of the largest eigenvalue is too large. Rounding leaves about 1e-16 of it, and an eigenvalue of a millionth of it need not be 0: use a fraction such as 1e-12.
         too large a fraction for precise steps: 1e-12 * values.max() => 1e-8 * values.max()
             Your fraction of the largest eigenvalue is too large. Steps known to 0.1 mm have weights of 1e8, and a start of weight 1 still holds them: the smallest eigenvalue is then 1e-10 of the largest one, but not 0. Use a fraction such as 1e-12.
+        a ten-billionth: 1e-12 * values.max() => 1e-10 * values.max()
+            Your limit is too large a fraction of the largest eigenvalue. Steps known to 0.1 mm have weights of 1e8 beside a start of 1. Rounding leaves about 1e-16, so use a fraction such as 1e-12.
+        a millionth: 1e-12 * values.max() => 1e-6 * values.max()
+            Your limit is too large a fraction of the largest eigenvalue. Steps known to 0.1 mm have weights of 1e8 beside a start of 1. Rounding leaves about 1e-16, so use a fraction such as 1e-12.
         large entries only: axis=1) > 1e-6 => axis=1) > 0.3
-            Your limit for the entries of a free direction is too large. If 40 variables move together, each entry is only 0.16. Compare with a number such as 1e-6.
+            You do not find that 40 linked variables can be moved. One of your limits is the reason. With 40 variables, rounding leaves more than 1e-16 of the largest eigenvalue: use a fraction such as 1e-12. And if 40 variables move together, each entry of the free direction is only 0.16: compare with a number such as 1e-6.
         entries above 0 only: np.linalg.norm(free, axis=1) > 1e-6 => (free > 1e-6).any(axis=1)
             You look for positive entries only. A free direction may have either sign, so compare the absolute value of its entries.
         a fixed limit: values <= 1e-12 * values.max() => np.abs(values) <= 1e-12
@@ -573,6 +582,8 @@ SOLVE = Exercise(
         rows for columns: vectors[:, => vectors.T[:,
             You take rows of the matrix of eigenvectors. np.linalg.eigh returns the eigenvectors in its columns: vectors[:, number].
         less than a part of nothing: <= 1e-12 => < 1e-9
+            There are two errors. Without any constraint omega is all zeros, so the largest eigenvalue is 0, too, and a comparison with < (or a division by it) finds no free direction: use values <= limit * largest. And with steps known to 0.1 mm, 1e-9 or 1e-10 is too large a fraction: use one such as 1e-12.
+        strictly less: values <= 1e-12 => values < 1e-12
             Without any constraint omega is all zeros, so the largest eigenvalue is 0, too, and a comparison with < (or a division by it) finds no free direction. Use values <= limit * largest.
         only those without a constraint: loose = np.flatnonzero(np.linalg.norm(free, axis=1) > 1e-6) => loose = np.flatnonzero(np.diag(omega) == 0)
             + if free.size and not len(loose):
@@ -653,7 +664,7 @@ def _marginal_hidden(rng: np.random.Generator) -> list[Case]:
 MARGINALIZE = Exercise(
     name="marginalize",
     points=4,
-    stars=3,
+    stars=2,
     public=_marginal_public,
     hidden=_marginal_hidden,
     comparison=Close(rtol=1e-5, atol=1e-7, names=("your omega", "your xi")),
@@ -814,7 +825,7 @@ def _sparse_public() -> list[Case]:
             "12,000 variables, poses first: a poor order takes a minute",
         ),
         Case(
-            _sparse(linked(8, a_drive(np.random.default_rng(861), 6, 2, (0.0008, 0.001)), {0: 1.0}), "csc"),
+            _sparse(linked(8, a_drive(np.random.default_rng(870), 6, 2, (0.0008, 0.001)), {0: 1.0}), "csc"),
             "a drive in metres, measured to 3 cm",
         ),
         Case(
@@ -953,6 +964,24 @@ SOLVE_SPARSE = Exercise(
             lsqr stopped before x was exact: it squares the condition number, and its default tolerances are coarse. Use a direct solver such as splu.
         a method: .solve(xi) => .solve
             You return the method `solve` of the factor. Call it with xi.
+        each variable alone, exactly: starts[part] < 0.5 => omega.sum(axis=1) == 0
+            You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
+        each variable alone, by a fraction: starts[part] < 0.5 => abs(omega.sum(axis=1)) <= 1e-12 * abs(omega).max()
+            You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
+        numbers of groups: starts[part] < 0.5 => starts < 0.5
+            You name the numbers of the groups. Name the variables in them: np.flatnonzero(bad[labels]), where bad says for each group whether it lacks a start, and labels holds the group of each variable.
+        strictly less than a part of nothing: starts[part] < 0.5 => (starts < 1e-12 * np.bincount(part, omega.diagonal(), count))[part]
+            You miss the variable without any constraint. Its weights are 0, and 0 < limit * 0 is false. Use <=.
+        less than one start: starts[part] < 0.5 => starts[part] < 1
+            A start adds 1 only up to rounding, so the sum of a part that is held can be a little less than 1. Ask whether the sum is more than rounding errors.
+        less than one start, by NumPy's sum: starts[part] < 0.5 => np.bincount(part, omega.sum(axis=1), count)[part] < 1
+            A start adds 1 only up to rounding, so the sum of a part that is held can be a little less than 1. Ask whether the sum is more than rounding errors.
+        exactly one start: starts[part] < 0.5 => starts[part] != 1
+            A start adds 1 only up to rounding, and a part may have several starts. Ask whether the sum is more than rounding errors.
+        close to one start: starts[part] < 0.5 => ~np.isclose(starts, 1)[part]
+            A part may have several starts, each of which adds 1. Ask whether the sum is more than rounding errors.
+        no entry on the diagonal: starts[part] < 0.5 => omega.diagonal() == 0
+            You find only variables without any constraint. A group of linked variables may have no start either: find the connected parts, and add up the sums of the rows in each part.
         each variable alone: starts[part] < 0.5 => np.abs(omega @ np.ones(len(xi))) < 1e-9
             You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
         the solver's report, too: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)

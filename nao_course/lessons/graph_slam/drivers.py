@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ from nao_course.exercises.comparisons.large_sparse import without_dense
 # number of ten digits, and Python refuses to read numbers of thousands of digits.
 _NUMBER = re.compile(r"(?<![\w.-])\d{1,9}(?![\w.]*\w)")
 
-LONGEST_MESSAGE = 10_000  # characters that are read
+LONGEST_MESSAGE = 100_000  # characters that are read: NumPy writes np.int64(7) for a 7 in a list
 _POOR_ORDER = {"order": "poor"}
 MANY = 1000  # variables: a message that names more of them may have been cut off
 _LONGEST_SAID = 200  # characters of it that a verdict shows
@@ -76,6 +77,15 @@ def fills_up(matrix: Any) -> bool:
     return False
 
 
+def _with_its_warnings(solver: Callable[..., Any], *args: Any, **options: Any) -> Any:
+    """Call one of SciPy's solvers; its warnings name the student's line, two calls above this one."""
+    with warnings.catch_warnings(record=True) as said:
+        answer = solver(*args, **options)
+    for each in said:
+        warnings.warn(each.message, stacklevel=3)
+    return answer
+
+
 @contextmanager
 def watched_orders() -> Iterator[list[bool]]:
     """Let splu and spsolve raise PoorOrderError instead of filling a factor; the list that it yields is then not empty.
@@ -91,11 +101,11 @@ def watched_orders() -> Iterator[list[bool]]:
 
     def splu(A: Any, permc_spec: str | None = None, *args: Any, **options: Any) -> Any:
         refuse_if_poor(A, permc_spec)
-        return _SPLU(A, permc_spec, *args, **options)
+        return _with_its_warnings(_SPLU, A, permc_spec, *args, **options)
 
     def spsolve(A: Any, b: Any, permc_spec: str | None = None, *args: Any, **options: Any) -> Any:
         refuse_if_poor(A, permc_spec)
-        return _SPSOLVE(A, b, permc_spec, *args, **options)
+        return _with_its_warnings(_SPSOLVE, A, b, permc_spec, *args, **options)
 
     scipy.sparse.linalg.splu, scipy.sparse.linalg.spsolve = splu, spsolve
     try:

@@ -23,7 +23,7 @@ from nao_course.plotting.style import GREY, style_of
 from nao_course.sim import OdometryNoise
 
 DRIVES_PER_TURN = 8
-ANGLES = np.radians([0.0, 2.5, 5, 10, 20, 30, 45, 60, 75, 90])
+ANGLES = np.radians([0.0, 1, 2.5, 5, 10, 20, 30, 45, 60, 90])
 HEADINGS = {  # the headings that the graph uses, and the style of the curve
     "no heading: the robot never turned": "graph",
     "heading by odometry": "odometry",
@@ -110,12 +110,18 @@ def draw_turning(errors: dict[str, FloatArray]) -> Drawing:
     no_turn = next(iter(errors.values()))
     if np.isfinite(doubled := doubling_turn(no_turn)):
         ax.plot(doubled, 2 * no_turn[0], "o", mfc="none", mec="black", ms=12, mew=1.6, zorder=5)
-        ax.annotate(f"doubled at {doubled:.1f}°", (doubled, 2 * no_turn[0]), (-4, 100), **_LINE)
-    ax.set(xlabel="total turn of the drive (degrees)", ylabel="error of the map (m)", ylim=0, xlim=0)
+        ax.annotate(f"doubled at {doubled:.1f}°", (doubled, 2 * no_turn[0]), (-60, 60), **_LINE)
+    ax.set(xlabel="total turn of the drive (degrees)", ylabel="error of the map (m)", yscale="log")
+    ax.set_xscale(
+        "symlog", linthresh=1.0, linscale=0.4
+    )  # linear up to one degree, because a logarithmic axis has no 0
+    ax.set(xlim=(0, 95), xticks=(ticks := (0, 1, 2, 5, 10, 20, 45, 90)), xticklabels=map(str, ticks))
+    ax.set(yticks=(errors_shown := (0.05, 0.1, 0.2, 0.5, 1, 2)), yticklabels=map(str, errors_shown))
+    ax.minorticks_off()
     ax.grid(color="#e3e5e8")
     ax.legend()
     said = "; ".join(
-        f"{name}: {values[0]:.2f} m without a turn, {values[4]:.2f} m at 20 degrees, {values[-1]:.2f} m at 90"
+        f"{name}: {values[0]:.2f} m without a turn, {values[5]:.2f} m at 20 degrees, {values[-1]:.2f} m at 90"
         for name, values in errors.items()
     )
     return Drawing(

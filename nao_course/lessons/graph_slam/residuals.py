@@ -110,7 +110,16 @@ def draw_residuals(**maps: FloatArray) -> Drawing:
         above.set_title(f"{name.replace('_', ' ')}: {said}", fontsize=10)
         for stop in _without_landmark(drive):
             label = f"$x_{{{stop}}}$"
-            above.annotate(label, positions[stop], (7, -4), textcoords="offset points", fontsize=11, zorder=8)
+            line = {"arrowstyle": "-", "lw": 0.7, "shrinkA": 0}
+            above.annotate(
+                label,
+                positions[stop],
+                (-32, -14),
+                textcoords="offset points",
+                fontsize=11,
+                zorder=8,
+                arrowprops=line,
+            )
             true = STYLES["truth"].colour
             above.plot(*np.array([positions[stop], drive.path[stop]]).T, ":", color=true, lw=1.3, zorder=7)
             above.plot(*drive.path[stop], "o", mfc="none", mec=true, mew=1.4, ms=6, zorder=7)

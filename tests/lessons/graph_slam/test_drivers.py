@@ -37,6 +37,13 @@ def test_an_answer_is_handed_on_and_an_error_gives_its_numbers():
     assert numbers_in("nothing holds 3, 4 and 12.") == [3, 4, 12]
 
 
+def test_a_list_of_numpys_numbers_is_read_to_its_end():
+    def refuse(omega, xi):
+        raise ValueError(f"nothing holds {list(np.arange(1500))}")
+
+    assert gathered(refuse)["named"] == list(range(1500))
+
+
 @pytest.mark.parametrize("sent", [LOOSE, ("returned", LOOSE), None], ids=repr)
 def test_a_dict_that_is_returned_is_no_error_that_was_raised(sent):
     got = SolvedOrNamed().gather(Case(()), [sent])
@@ -93,6 +100,9 @@ def test_a_poor_order_is_stopped_at_once_and_a_good_one_is_not(solver):
     kind, x = solution_or_unheld(solve, star(size, size - 1), np.ones(size))
     assert kind == "returned" and star(size, size - 1) @ x == pytest.approx(np.ones(size))
     assert solution_or_unheld(solve, star(100, 0), np.ones(100))[0] == "returned"
+    with pytest.warns(scipy.sparse.SparseEfficiencyWarning) as said:
+        solution_or_unheld(lambda omega, xi: solve(omega.tocoo(), xi), star(100, 99), np.ones(100))
+    assert {each.filename for each in said} == {__file__}, "it names the student's line"
 
 
 def test_a_stopped_order_is_wrong_also_if_its_error_is_caught_and_messages_that_were_cut_off_are_alike():

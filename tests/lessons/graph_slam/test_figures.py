@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg
 
+from nao_course.lessons.graph_slam import costs
 from nao_course.lessons.graph_slam.costs import draw_costs
 from nao_course.lessons.graph_slam.drives import corridor, field_drive
 from nao_course.lessons.graph_slam.figures import draw_snapshots, draw_valley, draw_weights
@@ -16,6 +17,7 @@ from nao_course.lessons.graph_slam.map_errors import (
     doubling_turn,
     draw_powers,
     draw_turning,
+    errors_by_turn,
     expected_error,
     unlike_drive,
 )
@@ -28,8 +30,9 @@ from nao_course.lessons.graph_slam.matrices import (
     fill_in,
     share,
 )
-from nao_course.lessons.graph_slam.residuals import draw_drive
-from nao_course.lessons.graph_slam.systems import assemble
+from nao_course.lessons.graph_slam.residuals import draw_drive, filtered, path_error
+from nao_course.lessons.graph_slam.systems import assemble, solve_axes
+from tests.lessons.every import quotes, text
 from tests.lessons.graph_slam.test_systems import BUILDERS, link, start
 
 WALK = corridor(18, np.random.default_rng(4))
@@ -65,6 +68,32 @@ def test_valley_and_snapshots_say_how_the_error_falls_and_the_doubling_turn_is_b
     drawing = draw_turning(dict.fromkeys(HEADINGS, errors))
     assert drawing.figure.axes[0].texts[0].get_text() == "doubled at 5.0°"
     assert drawing.alt.count("0.50 m at 20 degrees") == len(HEADINGS)
+
+
+def test_the_heading_of_the_odometry_helps_from_five_degrees_on_as_the_lesson_says():
+    none, odometry, true = (errors_by_turn(kind, BUILDERS, np.linalg.solve) for kind in HEADINGS)
+    degrees = np.degrees(ANGLES).round(1)
+    assert (odometry >= none - 1e-9)[degrees <= 1].all() and (odometry < none)[degrees >= 5].all()
+    assert true.max() < 0.05 and f"{doubling_turn(none):.0f}" == "3"
+    quotes(text("08"), "no better than none up to a turn of one degree, and helps from five degrees on")
+
+
+def test_on_most_drives_the_graphs_path_is_better_than_the_filters_as_the_lesson_says():
+    errors = []
+    for drive in map(field_drive, range(1, 201)):
+        maps = filtered(drive), solve_axes(drive.constraints, drive.size, BUILDERS, np.linalg.solve)[0]
+        errors.append([(path_error(drive, each), np.hypot(*(each[12] - drive.path[12]))) for each in maps])
+    (of_filter, stop_of_filter), (of_graph, stop_of_graph) = 100 * np.median(errors, axis=0)
+    better = sum(graph[0] < old[0] for old, graph in errors)
+    assert sum(old[1] < errors[0][0][1] for old, _ in errors) > 180, (
+        "the filter misses x12 by more than usual"
+    )
+    quotes(
+        text("08"),
+        f"the graph's path is better in {better}",
+        f"{of_graph:.1f} cm instead of {of_filter:.1f} cm",
+        f"{stop_of_graph:.0f} cm instead of {stop_of_filter:.0f} cm",
+    )
 
 
 @pytest.mark.slow
@@ -120,7 +149,9 @@ def test_the_costs_are_the_recorded_ones_and_the_students_own(monkeypatch):
 
     assert "100000 variables" in draw_costs().alt and "yours" not in draw_costs(blank).alt
     said = draw_costs(lambda omega, xi: scipy.sparse.linalg.spsolve(omega, xi)).alt
-    assert "s for 3000 variables" in said.partition("yours, on this computer: ")[2]
+    assert "s for 100000 variables" in said.partition("yours, on this computer: ")[2]
+    monkeypatch.setattr(costs, "PATIENCE", 0.0)
+    assert "s for 3000 variables" in draw_costs(scipy.sparse.linalg.spsolve).alt
     with pytest.raises(ValueError, match="must return 300 numbers, .* NoneType: check exercise 8.6"):
         draw_costs(lambda omega, xi: None)
     monkeypatch.setenv("NAO_COURSE_STRICT", "1")
