@@ -242,6 +242,10 @@ POST_CANDIDATES = Exercise(
             You count green only up to the first other pixel. Count all green pixels among the look_down pixels, because a white line may be between them.
         any green: >= min_green => >= 1
             You accept a single green pixel. At least min_green are required.
+        a number as a fraction: >= min_green => >= min_green * look_down
+            You use min_green as a fraction of look_down. It is a number of pixels: compare it with the number of green pixels, without dividing or multiplying.
+        a number as a fraction, the mean: green.sum(axis=1) >= min_green => green.sum(axis=1) / (below < height).sum(axis=1) >= min_green
+            You compare the mean of a column's green pixels, which is a fraction, with min_green. It is a number of pixels: use their sum.
         more than min_green: >= min_green => > min_green
             A column with exactly min_green green pixels passes. Use >=.
         more than min_height: np.ceil(min_height * height) => int(min_height * height) + 1
@@ -255,6 +259,12 @@ POST_CANDIDATES = Exercise(
         looks up: foot[:, None] + np.arange => foot[:, None] - np.arange
             (below < height) => (below >= 0)
             You test the pixels above the foot. Rows count downwards, so the pixels below have larger row numbers.
+        below the last row: np.minimum(below, height - 1) => below
+            You read pixels below the picture's last row. Near the lower edge there are fewer than look_down pixels below the foot. The slice foot + 1 : foot + 1 + look_down ends at the edge by itself.
+        the last row repeated: & (below < height) =>
+            At the lower edge you count the last row more than once. Missing pixels are not green, so count only pixels that exist.
+        no foot in the last row: & yellow.all(axis=1) => & yellow.all(axis=1) & (foot < height - 1)
+            You reject a foot in the picture's last row. If min_green is 0, no pixel below it has to be green, so only its run decides.
         round the edge: np.minimum(below, height - 1) => below % height
             & (below < height) =>
             At the lower edge you count green pixels from the top of the picture. Below the last row there are no pixels.
@@ -281,6 +291,22 @@ POST_CANDIDATES = Exercise(
             +             found.append((u, v))
             + return np.array(found).reshape(-1, 2)
             Your loop goes over the rows of the picture. A loop over labels.T goes over its columns.
+        as many columns as rows: + found = []
+            + for u in range(len(labels)):
+            +     for v in np.flatnonzero(labels[:, u] == 2)[-1:]:
+            +         run = np.cumprod(labels[v::-1, u] == 2).sum()
+            +         if (labels[v + 1 :, u][:look_down] == 1).sum() >= min_green and run >= min_height * len(labels):
+            +             found.append((u, v))
+            + return np.array(found).reshape(-1, 2)
+            You go through as many columns as the picture has rows. labels.shape is (rows, columns): H, W = labels.shape, and the columns are range(W).
+        width and height exchanged: + found = []
+            + for u in range(len(labels)):
+            +     for v in np.flatnonzero(labels[:, u] == 2)[-1:]:
+            +         run = np.cumprod(labels[v::-1, u] == 2).sum()
+            +         if (labels[v + 1 :, u][:look_down] == 1).sum() >= min_green and run >= min_height * labels.shape[1]:
+            +             found.append((u, v))
+            + return np.array(found).reshape(-1, 2)
+            You go through as many columns as the picture has rows. labels.shape is (rows, columns): H, W = labels.shape, and the columns are range(W).
         row u instead of column u: + found = []
             + for u in range(labels.shape[1]):
             +     row = labels[u]
@@ -452,6 +478,21 @@ CLUSTER_POINTS = Exercise(
             Your numbers are passed on only twice. Repeat this until no number changes.
         a fixed number of rounds: while not np.array_equal(names, before): => for _ in range(10):
             You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+        three rounds: while not np.array_equal(names, before): => for _ in range(3):
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+        five rounds: while not np.array_equal(names, before): => for _ in range(5):
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+        twenty rounds: while not np.array_equal(names, before): => for _ in range(20):
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+        two passes over the pairs: while not np.array_equal(names, before): => for i, j in 2 * np.argwhere(near).tolist():
+            names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = min(names[i], names[j])
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+        three passes over the pairs: while not np.array_equal(names, before): => for i, j in 3 * np.argwhere(near).tolist():
+            names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = min(names[i], names[j])
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+        ten passes over the pairs: while not np.array_equal(names, before): => for i, j in 10 * np.argwhere(near).tolist():
+            names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = min(names[i], names[j])
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
         old clusters kept: + clusters = []
             + for point in points:
             +     joined = [point]
@@ -474,7 +515,13 @@ CLUSTER_POINTS = Exercise(
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = names[[i, *np.flatnonzero(row[:i])][-1]]
             Each point takes over the number of one earlier neighbour. If it is near two clusters, all their points need the same number, so repeat until no number changes.
         minimum of nothing: len(points)).min(axis=1, initial=len(points)) => len(points)).min(axis=1)
-            Your answers are right except without points: an empty array has no minimum. Use min(axis=1, initial=len(points)), or return np.zeros((0, 2)) first.
+            Your answers are right, but without points your function raises an error: an empty array has no minimum, and scipy's linkage needs two points. Return np.zeros((0, 2)) first.
+        linkage of fewer than two points: + if len(points) < 2:
+            +     raise ValueError
+            Your answers are right, but with fewer than two points your function raises an error. If you use scipy's linkage, it needs at least two. Return the points themselves if there are fewer.
+        linkage of one point: + if len(points) == 1:
+            +     raise ValueError
+            Your answers are right, but with one point your function raises an error. If you use scipy's linkage, it needs at least two points. Return the point itself if there is only one.
         single points left out: for name in np.unique(names)] => for name in np.unique(names) if (names == name).sum() > 1]
             You leave out clusters of one point. A point without neighbours is also a cluster.
         decimals of the points: + points = points.astype(int)
@@ -483,6 +530,9 @@ CLUSTER_POINTS = Exercise(
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[j] = names[i]
             You visit each pair of neighbours once, so a number may not reach the other end of a long chain. Repeat the loop until no number changes.
         the smaller number in one pass: while not np.array_equal(names, before): => for i, j in np.argwhere(near):
+            names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = names[j] = min(names[i], names[j])
+            You give both neighbours the smaller number, but only in one pass over the pairs. A point that took its number before may need a smaller one now, so repeat the loop until no number changes.
+        the smaller number in one pass over half the pairs: while not np.array_equal(names, before): => for i, j in np.argwhere(np.triu(near, 1)):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = names[j] = min(names[i], names[j])
             You give both neighbours the smaller number, but only in one pass over the pairs. A point that took its number before may need a smaller one now, so repeat the loop until no number changes.
         removed by value: + clusters = []
@@ -546,6 +596,49 @@ CLUSTER_POINTS = Exercise(
             +     groups = [*apart, np.vstack([point[None], *joined])]
             + return np.array([each.mean() for each in groups])
             You return one number for each cluster instead of (u, v). With axis=0, the mean is taken over the points and has both coordinates.
+        one number for each cluster, no points first: + if not len(points):
+            +     return np.zeros((0, 2))
+            .mean(axis=0) => .mean()
+            .reshape(-1, 2) =>
+            You return one number for each cluster instead of (u, v). With axis=0, the mean is taken over the points and has both coordinates.
+        one number for each cluster, scipy: + from scipy.cluster.hierarchy import fcluster, linkage
+            + if len(points) < 2:
+            +     return points
+            + names = fcluster(linkage(points), max_distance, "distance")
+            + return np.array([points[names == name].mean() for name in np.unique(names)])
+            You return one number for each cluster instead of (u, v). With axis=0, the mean is taken over the points and has both coordinates.
+        numbers from 0, scipy: + from scipy.cluster.hierarchy import fcluster, linkage
+            + if len(points) < 2:
+            +     return points
+            + names = fcluster(linkage(points), max_distance, "distance")
+            + return np.array([points[names == name].mean(axis=0) for name in range(names.max())])
+            fcluster numbers the clusters from 1 to the largest number, and range ends before its second number. Use np.unique to go through the numbers that exist.
+        the largest number left out, scipy: + from scipy.cluster.hierarchy import fcluster, linkage
+            + if len(points) < 2:
+            +     return points
+            + names = fcluster(linkage(points), max_distance, "distance")
+            + return np.array([points[names == name].mean(axis=0) for name in range(1, names.max())])
+            fcluster numbers the clusters from 1 to the largest number, and range ends before its second number. Use np.unique to go through the numbers that exist.
+        three numbers, scipy: + from scipy.cluster.hierarchy import fcluster, linkage
+            + if len(points) < 2:
+            +     return points
+            + names = fcluster(linkage(points), max_distance, "distance")
+            + return np.array([points[names == name].mean(axis=0) for name in range(3)])
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
+        another criterion, scipy: + from scipy.cluster.hierarchy import fcluster, linkage
+            + if len(points) < 2:
+            +     return points
+            + names = fcluster(linkage(points), max_distance)
+            + return np.array([points[names == name].mean(axis=0) for name in np.unique(names)])
+            fcluster does not compare distances with max_distance by default. Pass criterion="distance".
+        three numbers: np.unique(names)] => range(3)]
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
+        as many numbers as clusters: np.unique(names)] => range(len(np.unique(names)))]
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
+        all numbers: np.unique(names)] => range(len(points))]
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
+        all numbers up to the largest: np.unique(names)] => range(max(names) + 1)]
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
         the median: points[names == name].mean(axis=0) => np.median(points[names == name], axis=0)
             You return the median of each cluster. The paper uses the mean.
         midpoint of the ends: points[names == name].mean(axis=0) => (points[names == name].min(axis=0) + points[names == name].max(axis=0)) / 2
