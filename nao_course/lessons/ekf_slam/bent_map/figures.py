@@ -73,8 +73,8 @@ def _draw_maps(runs: dict[str, tuple[FilterRun, str]]) -> Drawing:
     figure = Figure(figsize=(2 * MAP_SIZE[0], MAP_SIZE[1]))
     axes = figure.subplots(1, 2)
     if len(runs) == 1:
-        steps, innovations = recorded_run(TWO_ERRORS).bearings.T
-        _plot_bearings(axes[1], steps, innovations, WRONG)
+        steps, values = recorded_run(TWO_ERRORS).bearings.T
+        _plot_bearings(axes[1], steps, values, WRONG)
         axes[1].set_title("Its bearing innovations")
     for ax, (title, (run, colour)) in zip(axes, runs.items(), strict=False):
         _plot_map(ax, run, colour)
