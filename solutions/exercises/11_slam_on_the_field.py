@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from nao_course.exercises import (
     Exercise,
     LessonPlan,
     Methods,
+    Mistake,
     Property,
     Question,
     Unordered,
@@ -28,7 +30,7 @@ from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.observation import Observation, as_observation
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph
-from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.instructor.authoring.mistakes import Change, catalogue
 from nao_course.lessons.slam_on_the_field import GREEN, POST_RADIUS, VAGUE, YELLOW
 from nao_course.lessons.slam_on_the_field.drivers import associate_nothing, whole_numbers
 from nao_course.lessons.slam_on_the_field.worlds import drawn_drive
@@ -943,6 +945,17 @@ def _logs_hidden(rng: np.random.Generator) -> list[Case]:
     ]
 
 
+def _without_drives(mistakes: Sequence[Mistake], *changes: str) -> list[Mistake]:
+    """Add changes that make mistakes raise an error on whole drives, whose answers would fill the check data.
+
+    A check recognises a mistake of one method by the cases of this method alone.
+    """
+    lines = [each.function.lines for each in mistakes if isinstance(each.function, Change)]
+    return [
+        replace(each, function=Change((*own, *changes))) for each, own in zip(mistakes, lines, strict=True)
+    ]
+
+
 ATTRIBUTES = {
     ".state": Close(rtol=1e-3, atol=1e-4),
     ".covariance": Close(rtol=1e-3, atol=1e-6),
@@ -988,7 +1001,8 @@ EKF_SLAM = Exercise(
         "move is one call of predict. In use_compass the gain is a column of P divided by one number. number associates the whole picture first and then examines each measurement without a landmark, always with the state from before the first new landmark.",
         "A measurement is new if even associate(..., [that one], seen.part([i]).covariance, 3 * self.gate) returns -1; then call add_landmark with VAGUE times that covariance, and give it a number and a kind. In correct, the expected ranges are expected_measurement(...)[1] of the landmarks in self.indices, and seen.part(used).linearised_at(them) returns the arguments of update_landmarks.",
     ),
-    mistakes=catalogue("""
+    mistakes=[
+        *catalogue("""
         from zeros: start.as_array() => np.zeros(3)
             Your state begins with zeros. It begins with `start`, which the robot knows.
         no noise of motion: self.odometry.covariance(motion) => np.zeros((3, 3))
@@ -1001,21 +1015,8 @@ EKF_SLAM = Exercise(
             + blocks = seen.covariance * np.kron(np.eye(len(seen)), np.ones((2, 2)))
             + seen = Observation(seen.measurements, blocks, seen.direction, seen.direction_sigma)
             You drop the correlation between the measurements of a picture. One tilt moves them all, so use the whole covariance.
-        one after the other: if len(used): => for used in used[:, None]:
-            In correct you update with one landmark after the other. That ignores the tilt that their measurements share. Call update_landmarks once with all of them.
         one at a time: self.association(*belief, seen, seen.covariance, self.gate) => [self.association(*belief, seen.part([i]), seen.part([i]).covariance, self.gate)[0] for i in range(len(seen))]
             In number you associate one measurement at a time, so two of them can get the same landmark. Call self.association once for the whole picture.
-        ranges as measured: [expected_measurement(self.state[:3], place)[1] for place in places] => seen.values[used][:, 1]
-            In correct you use the ranges as they were measured. Pass the expected ranges, from the state and the map, to linearised_at and use the values that it returns (equation 11.5).
-        ranges from the origin: expected_measurement(self.state[:3], place)[1] => np.hypot(*place)
-            In correct your expected ranges are distances from the origin of the field. Use the distances from the robot to its landmarks: expected_measurement(self.state[:3], place)[1].
-        numbers of measurements: numbers = self.indices[used].tolist() => numbers = used.tolist()
-            In correct you pass the numbers of the measurements to update_landmarks. It needs the numbers of their landmarks: self.indices[used].
-        -1 kept in correct: self.indices >= 0) => self.indices >= -1)
-            In correct you also use measurements whose number is -1. Leave them out: they have no landmark.
-        R of the plain ranges: values, R = seen => values, R = seen
-            + R = seen.part(used).covariance
-            In correct you use the values of linearised_at with the covariance of the plain ranges. linearised_at returns both values and covariance.
         default odometry only: = odometry, gate => = OdometryNoisePerMove(), gate
             You always use OdometryNoisePerMove(). Use the odometry that the constructor got.
         own association only: association or associate => associate
@@ -1050,8 +1051,6 @@ EKF_SLAM = Exercise(
             self.state[2] = warp2pi(self.state[2]) => self.state[2] = warp2pi(self.state[2])
             + self.heading = self.state[2] + nu
             Your self.heading is too far: you add nu to the heading that is already corrected. Store theta + nu with theta from before the correction.
-        no landmark 0 in correct: self.indices >= 0) => self.indices > 0)
-            In correct you leave out landmark 0. Only -1 means that a measurement has no landmark.
         distant compasses rejected: nu = wrap_quarter => nu = wrap_quarter
             + if abs(nu) > self.gate * np.sqrt(self.covariance[2, 2] + sigma**2):
             +     return
@@ -1072,16 +1071,10 @@ EKF_SLAM = Exercise(
             You add a new landmark with its own R after the correction, so the picture's tilt counts as an independent error. Add it before, with VAGUE times its R, and let correct place it with the others.
         counted twice: VAGUE * one.covariance => one.covariance
             You add a new landmark with its R and then correct with the same measurement, so the measurement counts twice. Add it with VAGUE times its R.
-        new landmarks without a number: self.indices[i] = len(self.kinds) => pass
-            Your new landmarks have no number in self.indices, so correct leaves them vague. Store their numbers.
         new landmarks tested too late: associate(*belief, one => associate(self.state, self.covariance, self.kinds, one
             You test for new landmarks with the first new one already on the map. A vague landmark is near everything, so the second new one of a picture is never found. Use state, covariance and kinds from before.
-        all others new: if associate(*belief, one, one.covariance, 3 * self.gate)[0] < 0: => if True:
-            In number every measurement with -1 becomes a new landmark. It is new only if it also has no landmark of its kind within three gates; otherwise a second map grows.
         a list that grows: belief = self.state, self.covariance, tuple(self.kinds) => belief = self.state, self.covariance, self.kinds
             In number your list of kinds grows while you still decide with it, because a second name for a list is not a copy. It then has more entries than the state. Take a copy first: list(self.kinds).
-        new beyond one gate: 3 * self.gate => self.gate
-            Everything outside the gate becomes a landmark. Leave a measurement out if a landmark of its kind is within three gates; otherwise a second map grows.
         a number too large: self.indices[i] = len(self.kinds) => pass
             self.kinds.append(one[0].kind) => self.kinds.append(one[0].kind)
             + self.indices[i] = len(self.kinds)
@@ -1098,7 +1091,56 @@ EKF_SLAM = Exercise(
             Your estimate has no landmarks.
         shifted blocks: range(3, len(self.state), 2) => range(0, len(self.state) - 3, 2)
             The covariances of your landmarks are three places off, because the state begins with the three numbers of the pose.
+        R of the picture for one measurement: associate(*belief, one, one.covariance => associate(*belief, one, seen.covariance
+            In step 2 of number you associate one measurement with the R of the whole picture. Its own R is seen.part([i]).covariance.
     """),
+        *_without_drives(
+            catalogue("""
+        a row times the gain: np.outer(K, self.covariance[2]) => K * self.covariance[2]
+            In use_compass you multiply K by a row of P element by element, so the result is a vector. A column times a row is a matrix: subtract np.outer(K, self.covariance[2]).
+        columns times the gain: np.outer(K, self.covariance[2]) => K * self.covariance
+            In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]).
+        rows times the gain: np.outer(K, self.covariance[2]) => K[:, None] * self.covariance
+            In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]).
+        R of the picture for a new landmark: VAGUE * one.covariance => VAGUE * seen.covariance
+            In number you pass the R of the whole picture to add_landmark, or something else that it cannot use. It needs a vector of bearing and range, (2,), and this measurement's own R, (2, 2): seen.part([i]).covariance.
+        -1 is the last landmark: self.indices >= 0) => self.indices >= -1)
+            self.state[3 + 2 * n : 5 + 2 * n] => self.state[3:].reshape(-1, 2)[n]
+            In correct you also use measurements whose number is -1. Leave them out: they have no landmark.
+        all measurements of some landmarks: seen.part(used).linearised_at => seen.linearised_at
+            In correct you leave out the landmarks of measurements whose number is -1, but not these measurements. seen.part(used) contains the others.
+        landmarks sorted: self.indices[used].tolist() => sorted(self.indices[used].tolist())
+            In correct your landmarks are in another order than their measurements, for example sorted. The landmark of the first used measurement is the first of self.indices[used], and so on.
+        landmarks sorted for the update: (self.state, self.covariance, numbers, values => (self.state, self.covariance, sorted(numbers), values
+            In correct your landmarks are in another order than their measurements, for example sorted. The landmark of the first used measurement is the first of self.indices[used], and so on.
+        R of the whole picture: values, R = seen => values, R = seen
+            + R = seen.covariance
+            In correct you use the R of the whole picture. linearised_at returns the covariance of its own values, which contains only measurements with a number.
+        one after the other: if len(used): => for used in used[:, None]:
+            In correct you update with one landmark after the other. That ignores the tilt that their measurements share. Call update_landmarks once with all of them.
+        ranges as measured: [expected_measurement(self.state[:3], place)[1] for place in places] => seen.values[used][:, 1]
+            In correct you use the ranges as they were measured. Pass the expected ranges, from the state and the map, to linearised_at and use the values that it returns (equation 11.5).
+        ranges from the origin: expected_measurement(self.state[:3], place)[1] => np.hypot(*place)
+            In correct your expected ranges are distances from the origin of the field. Use the distances from the robot to its landmarks: expected_measurement(self.state[:3], place)[1].
+        numbers of measurements: numbers = self.indices[used].tolist() => numbers = used.tolist()
+            In correct you pass the numbers of the measurements to update_landmarks. It needs the numbers of their landmarks: self.indices[used].
+        -1 kept in correct: self.indices >= 0) => self.indices >= -1)
+            In correct you also use measurements whose number is -1. Leave them out: they have no landmark.
+        R of the plain ranges: values, R = seen => values, R = seen
+            + R = seen.part(used).covariance
+            In correct you use the values of linearised_at with the covariance of the plain ranges. linearised_at returns both values and covariance.
+        no landmark 0 in correct: self.indices >= 0) => self.indices > 0)
+            In correct you leave out landmark 0. Only -1 means that a measurement has no landmark.
+        new landmarks without a number: self.indices[i] = len(self.kinds) => pass
+            Your new landmarks have no number in self.indices, so correct leaves them vague. Store their numbers.
+        all others new: if associate(*belief, one, one.covariance, 3 * self.gate)[0] < 0: => if True:
+            In number every measurement with -1 becomes a new landmark. It is new only if it also has no landmark of its kind within three gates; otherwise a second map grows.
+        new beyond one gate: 3 * self.gate => self.gate
+            Everything outside the gate becomes a landmark. Leave a measurement out if a landmark of its kind is within three gates; otherwise a second map grows.
+    """),
+            "landmarks = self.state[3:].reshape(-1, 2) => raise NotImplementedError",
+        ),
+    ],
     alternatives={
         "whole matrices, Joseph": _Joseph,
         "a method for each step": _Filter,
@@ -1308,7 +1350,8 @@ GRAPH_SLAM = Exercise(
         "Let an EkfSlam choose the landmarks (its `indices`), and store one edge for each motion, measurement and heading. A landmark's number among all unknowns depends on the number of poses, which is known only in estimate: store the landmark's own number until then.",
         "The landmark's place in the robot frame is landmark_position(np.zeros(3), (bearing, range)). With the measurement's Jacobian J from landmark_jacobians at the same pose, the edge's information is the inverse of J R Jᵀ. In H[3:, 3:] everything is three places earlier than in the states.",
     ),
-    mistakes=catalogue("""
+    mistakes=[
+        *catalogue("""
         the filter's answer: not self.edges => True
             You return the filter's estimate. Its poses and map are only the start of gauss_newton.
         from zeros: [start.as_array()] => [np.zeros(3)]
@@ -1334,7 +1377,7 @@ GRAPH_SLAM = Exercise(
         sigma not squared: seen.direction_sigma**-2 => seen.direction_sigma**-1
             Your compass edges hold 1/sigma. The information is the inverse of the variance: 1/sigma^2.
         no headings: here and self.front.heading is not None => False
-            Your graph has no compass edges. Add one for each heading of the filter that is not None.
+            Your graph has no compass edges, or their information is almost zero, for example sigma^2. Add one for each heading of the filter that is not None, with the information 1/sigma^2.
         a heading for each measurement: self.edges.append((0, => self.edges.append((0,
             + self.edges += self.edges[-1:] * ((self.front.indices >= 0).sum() - 1)
             You add one compass edge for each measurement. A picture measures the heading once.
@@ -1401,7 +1444,59 @@ GRAPH_SLAM = Exercise(
         noise not turned, plain values and blocks: rotation_2d(-motion.turn) => np.eye(2)
             values, R, strict => seen.values[used], [seen.part([n]).covariance for n in used], strict
             Two errors: turn the odometry noise by -motion.turn, because pose_residual works in the new pose's frame, and use values and covariances from seen.part(used).decorrelated(ranges) in place of the measurements and plain blocks of R.
+        heading of None: here and self.front.heading is not None => here
+            You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None.
+        heading of None at every stop: if here and self.front.heading is not None => if True
+            You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None.
+        -1 kept: self.front.indices >= 0) => self.front.indices >= -1)
+            You also add edges for measurements whose number is -1. Leave them out: they have no landmark.
+        k counts all measurements: seen.part(used).decorrelated(np.hypot(*(places - self.front.state[:2]).T)) => [each[used] for each in seen.decorrelated(np.hypot(*(self.front.state[3:].reshape(-1, 2)[self.front.indices] - self.front.state[:2]).T))]
+            You call decorrelated with all measurements of the picture, so it multiplies the tilt's variance by too large a number. Leave out measurements whose number is -1 first: seen.part(used).
+        all measurements of some landmarks: seen.part(used).decorrelated => seen.decorrelated
+            You leave out the landmarks of measurements whose number is -1, but not these measurements. seen.part(used) contains the others.
+        no p: second + p * (kind == LANDMARK) => second
+            gauss_newton cannot solve your graph, because no edge leads to one of the landmarks. Landmark n is unknown p + n, where p is the number of all poses. Add exactly p, and leave out only measurements whose number is -1.
+        numbers of measurements: self.front.indices[used].tolist() => used.tolist()
+            gauss_newton cannot solve your graph, because no edge leads to one of the landmarks. An edge needs the number of its landmark, indices[used], and not a count of the measurements.
+        p with the wrong sign, or a matrix too large: second + p * (kind == LANDMARK) => second - p * (kind == LANDMARK)
+            If Graph refuses an index: landmark n is unknown p + n, where p is the number of all poses. If two shapes do not fit: an edge needs the J of bearing and range, which landmark_jacobians returns second, and the R of its own measurement, (2, 2), from decorrelated.
     """),
+        *_without_drives(
+            catalogue("""
+        covariance of motion, not turned: np.linalg.inv(back @ self.odometry.covariance(motion) @ back.T) => self.odometry.covariance(motion)
+            Two errors: a motion's edge needs the inverse of a covariance, and before you invert it, turn the noise by -motion.turn, because pose_residual works in the new pose's frame.
+    """),
+            "seen, here, origin = as_observation(measurements), len(self.poses) - 1, np.zeros(3) => raise NotImplementedError",
+        ),
+        *_without_drives(
+            catalogue("""
+        the filter's last pose: Pose.from_array(poses[-1]) => Pose.from_array(self.front.state[:3])
+            You return the filter's pose. Return the last pose of the states that gauss_newton returns.
+        the filter's landmarks: blocks[0], landmarks => blocks[0], self.front.state[3:].reshape(-1, 2)
+            You return the filter's landmarks. Return the landmarks of the states that gauss_newton returns.
+        the filter's states: Pose.from_array(poses[-1]), blocks[0], landmarks => Pose.from_array(self.front.state[:3]), blocks[0], self.front.state[3:].reshape(-1, 2)
+            You return the filter's pose and landmarks. Return the pose and landmarks of the states that gauss_newton returns.
+        R itself: np.linalg.inv(J @ own @ J.T) => own
+            Your measurement edges hold R. Convert it to metres, J R Jᵀ, and invert the result.
+        R inverted first: np.linalg.inv(J @ own @ J.T) => J @ np.linalg.inv(own) @ J.T
+            You invert R before you convert it. Convert R to metres first, J R Jᵀ, and invert the result.
+        R inverted first, J transposed: np.linalg.inv(J @ own @ J.T) => J.T @ np.linalg.inv(own) @ J
+            You invert R before you convert it. Convert R to metres first, J R Jᵀ, and invert the result.
+        p in observe: second + p * (kind == LANDMARK) => second
+            (here, LANDMARK, number, => (here, LANDMARK, number + here + 1,
+            You add the number of poses in observe, where it is still growing. Store the landmark's own number, and add p in estimate.
+        landmarks sorted: self.front.indices[used].tolist() => sorted(self.front.indices[used].tolist())
+            Your edges are in another order than their measurements, for example sorted by landmark. The landmark of the first used measurement is the first of indices[used], and so on.
+        edges sorted: zip(numbers, values, R, strict => zip(sorted(numbers), values, R, strict
+            Your edges are in another order than their measurements, for example sorted by landmark. The landmark of the first used measurement is the first of indices[used], and so on.
+        ranges sorted: reshape(-1, 2)[numbers] => reshape(-1, 2)[sorted(numbers)]
+            You pass ranges to decorrelated in another order than the measurements, for example sorted by landmark. The range of the first used measurement belongs to the first of indices[used], and so on.
+    """),
+            "p, kinds = len(self.poses), self.front.kinds => p, kinds = len(self.poses), self.front.kinds",
+            "+ if p > 2 and kinds:",
+            "+     raise ValueError",
+        ),
+    ],
     alternatives={
         "a dense inverse": _Graph,
         "two steps more": type("TwoStepsMore", (_Graph,), {"steps": 12}),
