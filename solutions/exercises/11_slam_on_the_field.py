@@ -675,7 +675,7 @@ ASSOCIATE = Exercise(
             + nearest = [distances.min(axis=axis, initial=np.inf, keepdims=True) for axis in (0, 1)]
             + distances[(distances > nearest[0]) | (distances > nearest[1])] = np.inf
             You accept a pair only if each is the other's nearest. When a landmark is used up, the other measurements continue with the remaining landmarks.
-        joint compatibility: + return associate_jointly(state, covariance, kinds, measurements, measurement_covariance, gate)
+        joint compatibility: + return tools.associate_jointly(state, covariance, kinds, measurements, measurement_covariance, gate)
             This is joint compatibility. Here each pair is judged alone, by nearest neighbour.
         no gate: distances.min() <= gate => distances.min() < np.inf
             You use no gate, so every measurement gets some landmark, however far away. Beyond the gate the answer is -1.
