@@ -112,9 +112,8 @@ def draw_turning(errors: dict[str, FloatArray]) -> Drawing:
         ax.plot(doubled, 2 * no_turn[0], "o", mfc="none", mec="black", ms=12, mew=1.6, zorder=5)
         ax.annotate(f"doubled at {doubled:.1f}°", (doubled, 2 * no_turn[0]), (-60, 60), **_LINE)
     ax.set(xlabel="total turn of the drive (degrees)", ylabel="error of the map (m)", yscale="log")
-    ax.set_xscale(
-        "symlog", linthresh=1.0, linscale=0.4
-    )  # linear up to one degree, because a logarithmic axis has no 0
+    # The axis is linear up to one degree, because a logarithmic axis has no 0.
+    ax.set_xscale("symlog", linthresh=1.0, linscale=0.4)
     ax.set(xlim=(0, 95), xticks=(ticks := (0, 1, 2, 5, 10, 20, 45, 90)), xticklabels=map(str, ticks))
     ax.set(yticks=(errors_shown := (0.05, 0.1, 0.2, 0.5, 1, 2)), yticklabels=map(str, errors_shown))
     ax.minorticks_off()
