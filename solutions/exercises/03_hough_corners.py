@@ -614,6 +614,21 @@ SEGMENT_INTERSECTION = Exercise(
             You miss crossings that exist. The usual cause is an s with the wrong sign: put the numbers of the text into your formula, which must give -0.081.
         both the wrong way round: w = q - p => w = p - q
             Both of your parameters have the wrong sign. The vector in t and s is Q - P, from the first start to the second.
+        the other sign of t: (w[0] * e[1] - w[1] * e[0]) => (w[1] * e[0] - w[0] * e[1])
+            Your t has the wrong sign: for the numbers of the text it must be 1.075.
+        t with the first direction: (w[0] * e[1] - w[1] * e[0]) => (w[0] * d[1] - w[1] * d[0])
+            In t, the numerator is (Q - P) x E. With D you get s.
+        the crossing alone: abs(across) <= np.sin(np.radians(10)) * n * m => False
+            if on_both else None =>
+            You intersect infinite lines. Test that t and s are on the segments, extended by reach. Return None if they are not, or if the segments are less than 10 degrees apart.
+        only t and no reach: -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => 0 <= t <= 1
+            You test only t, and without reach. The crossing must also be on the second segment, which s shows, and both segments are extended by reach.
+        only t, no reach and parallel: abs(across) <= np.sin(np.radians(10)) * n * m => False
+            -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => 0 <= t <= 1
+            You test only t, and without reach. The crossing must also be on the second segment, which s shows, and both segments are extended by reach. Return None also if they are less than 10 degrees apart.
+        sign of s and reach as a part: (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
+            -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t <= 1 + reach and -reach <= s <= 1 + reach
+            Your code has two errors. It compares reach, in pixels, with a fraction of the length: divide reach by the length. And your s has the wrong sign: the numbers of the text must give -0.081.
         one length for both: -reach <= s * m <= m + reach => -reach <= s * n <= n + reach
             You divide reach by the same length for both segments. Each segment has its own length.
         divided by the other length
