@@ -626,9 +626,6 @@ SEGMENT_INTERSECTION = Exercise(
         only t, no reach and parallel: abs(across) <= np.sin(np.radians(10)) * n * m => False
             -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => 0 <= t <= 1
             You test only t, and without reach. The crossing must also be on the second segment, which s shows, and both segments are extended by reach. Return None also if they are less than 10 degrees apart.
-        sign of s and reach as a part: (w[0] * d[1] - w[1] * d[0]) => (w[1] * d[0] - w[0] * d[1])
-            -reach <= t * n <= n + reach and -reach <= s * m <= m + reach => -reach <= t <= 1 + reach and -reach <= s <= 1 + reach
-            Your code has two errors. It compares reach, in pixels, with a fraction of the length: divide reach by the length. And your s has the wrong sign: the numbers of the text must give -0.081.
         one length for both: -reach <= s * m <= m + reach => -reach <= s * n <= n + reach
             You divide reach by the same length for both segments. Each segment has its own length.
         divided by the other length
