@@ -306,7 +306,7 @@ POST_CANDIDATES = Exercise(
             +         if (labels[v + 1 :, u][:look_down] == 1).sum() >= min_green and run >= min_height * labels.shape[1]:
             +             found.append((u, v))
             + return np.array(found).reshape(-1, 2)
-            You go through as many columns as the picture has rows. labels.shape is (rows, columns): H, W = labels.shape, and the columns are range(W).
+            You go through as many columns as the picture has rows. labels.shape is (rows, columns): H, W = labels.shape, and the columns are range(W). You have exchanged the two.
         row u instead of column u: + found = []
             + for u in range(labels.shape[1]):
             +     row = labels[u]
@@ -479,20 +479,20 @@ CLUSTER_POINTS = Exercise(
         a fixed number of rounds: while not np.array_equal(names, before): => for _ in range(10):
             You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
         three rounds: while not np.array_equal(names, before): => for _ in range(3):
-            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes. Three rounds are not always enough.
         five rounds: while not np.array_equal(names, before): => for _ in range(5):
-            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes. Five rounds are not always enough.
         twenty rounds: while not np.array_equal(names, before): => for _ in range(20):
-            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes. Twenty rounds are not always enough.
         two passes over the pairs: while not np.array_equal(names, before): => for i, j in 2 * np.argwhere(near).tolist():
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = min(names[i], names[j])
-            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes. Two passes are not always enough.
         three passes over the pairs: while not np.array_equal(names, before): => for i, j in 3 * np.argwhere(near).tolist():
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = min(names[i], names[j])
-            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes. Three passes are not always enough.
         ten passes over the pairs: while not np.array_equal(names, before): => for i, j in 10 * np.argwhere(near).tolist():
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = min(names[i], names[j])
-            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes.
+            You pass the numbers on for a fixed number of rounds, which is too few for a long chain. Repeat this until no number changes. Ten passes are not always enough.
         old clusters kept: + clusters = []
             + for point in points:
             +     joined = [point]
@@ -534,7 +534,7 @@ CLUSTER_POINTS = Exercise(
             You give both neighbours the smaller number, but only in one pass over the pairs. A point that took its number before may need a smaller one now, so repeat the loop until no number changes.
         the smaller number in one pass over half the pairs: while not np.array_equal(names, before): => for i, j in np.argwhere(np.triu(near, 1)):
             names = np.where(near, before, len(points)).min(axis=1, initial=len(points)) => names[i] = names[j] = min(names[i], names[j])
-            You give both neighbours the smaller number, but only in one pass over the pairs. A point that took its number before may need a smaller one now, so repeat the loop until no number changes.
+            You give both neighbours the smaller number, but only in one pass over the pairs. A point that took its number before may need a smaller one now, so repeat the loop until no number changes. You pass each pair once.
         removed by value: + clusters = []
             + for point in points:
             +     joined = [point]
@@ -600,13 +600,13 @@ CLUSTER_POINTS = Exercise(
             +     return np.zeros((0, 2))
             .mean(axis=0) => .mean()
             .reshape(-1, 2) =>
-            You return one number for each cluster instead of (u, v). With axis=0, the mean is taken over the points and has both coordinates.
+            You return one number for each cluster instead of (u, v). With axis=0, the mean is taken over the points and has both coordinates. Your early return without points is right.
         one number for each cluster, scipy: + from scipy.cluster.hierarchy import fcluster, linkage
             + if len(points) < 2:
             +     return points
             + names = fcluster(linkage(points), max_distance, "distance")
             + return np.array([points[names == name].mean() for name in np.unique(names)])
-            You return one number for each cluster instead of (u, v). With axis=0, the mean is taken over the points and has both coordinates.
+            You return one number for each cluster instead of (u, v). With axis=0, the mean is taken over the points and has both coordinates. What you do with fcluster is right.
         numbers from 0, scipy: + from scipy.cluster.hierarchy import fcluster, linkage
             + if len(points) < 2:
             +     return points
@@ -618,7 +618,7 @@ CLUSTER_POINTS = Exercise(
             +     return points
             + names = fcluster(linkage(points), max_distance, "distance")
             + return np.array([points[names == name].mean(axis=0) for name in range(1, names.max())])
-            fcluster numbers the clusters from 1 to the largest number, and range ends before its second number. Use np.unique to go through the numbers that exist.
+            fcluster numbers the clusters from 1 to the largest number, and range ends before its second number. Use np.unique to go through the numbers that exist. You leave the largest number out.
         three numbers, scipy: + from scipy.cluster.hierarchy import fcluster, linkage
             + if len(points) < 2:
             +     return points
@@ -632,13 +632,13 @@ CLUSTER_POINTS = Exercise(
             + return np.array([points[names == name].mean(axis=0) for name in np.unique(names)])
             fcluster does not compare distances with max_distance by default. Pass criterion="distance".
         three numbers: np.unique(names)] => range(3)]
-            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers. There are not always three clusters.
         as many numbers as clusters: np.unique(names)] => range(len(np.unique(names)))]
-            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers. The numbers in use need not be 0, 1, 2 and so on.
         all numbers: np.unique(names)] => range(len(points))]
-            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers. Not every number below the number of points is in use.
         all numbers up to the largest: np.unique(names)] => range(max(names) + 1)]
-            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers.
+            Some of the numbers that you go through belong to no point, so their mean is NaN, and others may be missing. Go through np.unique of your numbers. The numbers up to the largest have gaps.
         the median: points[names == name].mean(axis=0) => np.median(points[names == name], axis=0)
             You return the median of each cluster. The paper uses the mean.
         midpoint of the ends: points[names == name].mean(axis=0) => (points[names == name].min(axis=0) + points[names == name].max(axis=0)) / 2

@@ -377,7 +377,7 @@ COVARIANCE_ELLIPSE = Exercise(
             directions[:, 1] => directions[:, 0]
             You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis.
         not sorted, reversed: np.linalg.eigh(covariance) => np.linalg.eig(covariance)
-            You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis.
+            You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis. Reversing what is not sorted does not sort it.
         the eigenvector for the angle: np.arctan2(y, x) => directions[:, 1]
             You return the eigenvector. The angle is np.arctan2 of its y and x.
         probability in percent: np.log(1 - probability) => np.log(1 - probability / 100)

@@ -481,13 +481,13 @@ PREDICT = Exercise(
             You add noise to the landmarks. They do not move, so P_ll stays as it is.
         unrotated noise on the landmarks: return state, covariance => covariance[3:, 3:] += np.kron(np.eye(k), control_covariance[:2, :2])
             + return state, covariance
-            You add noise to the landmarks. They do not move, so P_ll stays as it is.
+            You add noise to the landmarks. They do not move, so P_ll stays as it is. What you add is also in the robot frame.
         common noise on the landmarks: return state, covariance => covariance[3:, 3:] += np.kron(np.ones((k, k)), (G @ control_covariance @ G.T)[:2, :2])
             + return state, covariance
-            You add noise to the landmarks. They do not move, so P_ll stays as it is.
+            You add noise to the landmarks. They do not move, so P_ll stays as it is. You add the same noise to all of them.
         noise of the distance on the landmarks: return state, covariance => covariance[3:, 3:] += control_covariance[0, 0] * np.eye(2 * k)
             + return state, covariance
-            You add noise to the landmarks. They do not move, so P_ll stays as it is.
+            You add noise to the landmarks. They do not move, so P_ll stays as it is. You add the noise of the distance.
         a little noise on the landmarks: return state, covariance => covariance[3:, 3:] += 1e-7 * np.eye(2 * k)
             + return state, covariance
             You add 1e-7 to the landmarks' variances. Landmarks do not move, so P_ll stays as it is; what you add in each step accumulates.

@@ -566,7 +566,7 @@ SOLVE = Exercise(
         a ten-billionth: 1e-12 * values.max() => 1e-10 * values.max()
             Your limit is too large a fraction of the largest eigenvalue. Steps known to 0.1 mm have weights of 1e8 beside a start of 1. Rounding leaves about 1e-16, so use a fraction such as 1e-12.
         a millionth: 1e-12 * values.max() => 1e-6 * values.max()
-            Your limit is too large a fraction of the largest eigenvalue. Steps known to 0.1 mm have weights of 1e8 beside a start of 1. Rounding leaves about 1e-16, so use a fraction such as 1e-12.
+            Your limit is too large a fraction of the largest eigenvalue. Steps known to 0.1 mm have weights of 1e8 beside a start of 1. Rounding leaves about 1e-16, so use a fraction such as 1e-12. A millionth is far too large.
         large entries only: axis=1) > 1e-6 => axis=1) > 0.3
             You do not find that 40 linked variables can be moved. One of your limits is the reason. With 40 variables, rounding leaves more than 1e-16 of the largest eigenvalue: use a fraction such as 1e-12. And if 40 variables move together, each entry of the free direction is only 0.16: compare with a number such as 1e-6.
         entries above 0 only: np.linalg.norm(free, axis=1) > 1e-6 => (free > 1e-6).any(axis=1)
@@ -967,7 +967,7 @@ SOLVE_SPARSE = Exercise(
         each variable alone, exactly: starts[part] < 0.5 => omega.sum(axis=1) == 0
             You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
         each variable alone, by a fraction: starts[part] < 0.5 => abs(omega.sum(axis=1)) <= 1e-12 * abs(omega).max()
-            You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
+            You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part. A limit that is a fraction does not change this.
         numbers of groups: starts[part] < 0.5 => starts < 0.5
             You name the numbers of the groups. Name the variables in them: np.flatnonzero(bad[labels]), where bad says for each group whether it lacks a start, and labels holds the group of each variable.
         strictly less than a part of nothing: starts[part] < 0.5 => (starts < 1e-12 * np.bincount(part, omega.diagonal(), count))[part]
@@ -975,7 +975,7 @@ SOLVE_SPARSE = Exercise(
         less than one start: starts[part] < 0.5 => starts[part] < 1
             A start adds 1 only up to rounding, so the sum of a part that is held can be a little less than 1. Ask whether the sum is more than rounding errors.
         less than one start, by NumPy's sum: starts[part] < 0.5 => np.bincount(part, omega.sum(axis=1), count)[part] < 1
-            A start adds 1 only up to rounding, so the sum of a part that is held can be a little less than 1. Ask whether the sum is more than rounding errors.
+            A start adds 1 only up to rounding, so the sum of a part that is held can be a little less than 1. Ask whether the sum is more than rounding errors. This is so however you add up the rows.
         exactly one start: starts[part] < 0.5 => starts[part] != 1
             A start adds 1 only up to rounding, and a part may have several starts. Ask whether the sum is more than rounding errors.
         close to one start: starts[part] < 0.5 => ~np.isclose(starts, 1)[part]
@@ -983,7 +983,7 @@ SOLVE_SPARSE = Exercise(
         no entry on the diagonal: starts[part] < 0.5 => omega.diagonal() == 0
             You find only variables without any constraint. A group of linked variables may have no start either: find the connected parts, and add up the sums of the rows in each part.
         each variable alone: starts[part] < 0.5 => np.abs(omega @ np.ones(len(xi))) < 1e-9
-            You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part.
+            You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part. The size of the limit does not change this.
         the solver's report, too: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)
             cg returns x and a status code. Return x only, and set rtol to 1e-12, because the default is too coarse.
         a little on the diagonal: + return scipy.sparse.linalg.spsolve((omega + 1e-6 * scipy.sparse.eye_array(len(xi))).tocsc(), xi)

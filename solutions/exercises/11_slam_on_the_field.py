@@ -1101,7 +1101,7 @@ EKF_SLAM = Exercise(
         columns times the gain: np.outer(K, self.covariance[2]) => K * self.covariance
             In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]).
         rows times the gain: np.outer(K, self.covariance[2]) => K[:, None] * self.covariance
-            In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]).
+            In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]). A row times K, element by element, does not give a matrix either.
         R of the picture for a new landmark: VAGUE * one.covariance => VAGUE * seen.covariance
             In number you pass the R of the whole picture to add_landmark, or something else that it cannot use. It needs a vector of bearing and range, (2,), and this measurement's own R, (2, 2): seen.part([i]).covariance.
         -1 is the last landmark: self.indices >= 0) => self.indices >= -1)
@@ -1112,7 +1112,7 @@ EKF_SLAM = Exercise(
         landmarks sorted: self.indices[used].tolist() => sorted(self.indices[used].tolist())
             In correct your landmarks are in another order than their measurements, for example sorted. The landmark of the first used measurement is the first of self.indices[used], and so on.
         landmarks sorted for the update: (self.state, self.covariance, numbers, values => (self.state, self.covariance, sorted(numbers), values
-            In correct your landmarks are in another order than their measurements, for example sorted. The landmark of the first used measurement is the first of self.indices[used], and so on.
+            In correct your landmarks are in another order than their measurements, for example sorted. The landmark of the first used measurement is the first of self.indices[used], and so on. The update of the state needs the same order.
         R of the whole picture: values, R = seen => values, R = seen
             + R = seen.covariance
             In correct you use the R of the whole picture. linearised_at returns the covariance of its own values, which contains only measurements with a number.
@@ -1125,7 +1125,7 @@ EKF_SLAM = Exercise(
         numbers of measurements: numbers = self.indices[used].tolist() => numbers = used.tolist()
             In correct you pass the numbers of the measurements to update_landmarks. It needs the numbers of their landmarks: self.indices[used].
         -1 kept in correct: self.indices >= 0) => self.indices >= -1)
-            In correct you also use measurements whose number is -1. Leave them out: they have no landmark.
+            In correct you also use measurements whose number is -1. Leave them out: they have no landmark. They are still in the list that you use.
         R of the plain ranges: values, R = seen => values, R = seen
             + R = seen.part(used).covariance
             In correct you use the values of linearised_at with the covariance of the plain ranges. linearised_at returns both values and covariance.
@@ -1447,7 +1447,7 @@ GRAPH_SLAM = Exercise(
         heading of None: here and self.front.heading is not None => here
             You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None.
         heading of None at every stop: if here and self.front.heading is not None => if True
-            You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None.
+            You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None. Not every stop has a compass.
         -1 kept: self.front.indices >= 0) => self.front.indices >= -1)
             You also add edges for measurements whose number is -1. Leave them out: they have no landmark.
         k counts all measurements: seen.part(used).decorrelated(np.hypot(*(places - self.front.state[:2]).T)) => [each[used] for each in seen.decorrelated(np.hypot(*(self.front.state[3:].reshape(-1, 2)[self.front.indices] - self.front.state[:2]).T))]
@@ -1481,14 +1481,14 @@ GRAPH_SLAM = Exercise(
         R inverted first: np.linalg.inv(J @ own @ J.T) => J @ np.linalg.inv(own) @ J.T
             You invert R before you convert it. Convert R to metres first, J R Jᵀ, and invert the result.
         R inverted first, J transposed: np.linalg.inv(J @ own @ J.T) => J.T @ np.linalg.inv(own) @ J
-            You invert R before you convert it. Convert R to metres first, J R Jᵀ, and invert the result.
+            You invert R before you convert it. Convert R to metres first, J R Jᵀ, and invert the result. In J R Jᵀ the transpose is on the right.
         p in observe: second + p * (kind == LANDMARK) => second
             (here, LANDMARK, number, => (here, LANDMARK, number + here + 1,
             You add the number of poses in observe, where it is still growing. Store the landmark's own number, and add p in estimate.
         landmarks sorted: self.front.indices[used].tolist() => sorted(self.front.indices[used].tolist())
             Your edges are in another order than their measurements, for example sorted by landmark. The landmark of the first used measurement is the first of indices[used], and so on.
         edges sorted: zip(numbers, values, R, strict => zip(sorted(numbers), values, R, strict
-            Your edges are in another order than their measurements, for example sorted by landmark. The landmark of the first used measurement is the first of indices[used], and so on.
+            Your edges are in another order than their measurements, for example sorted by landmark. The landmark of the first used measurement is the first of indices[used], and so on. Sort nothing, or everything in the same way.
         ranges sorted: reshape(-1, 2)[numbers] => reshape(-1, 2)[sorted(numbers)]
             You pass ranges to decorrelated in another order than the measurements, for example sorted by landmark. The range of the first used measurement belongs to the first of indices[used], and so on.
     """),
