@@ -27,17 +27,19 @@ _DATA = re.compile(r'src="data:image/(png|jpeg);base64,([A-Za-z0-9+/=]+)"')
 PHOTO_QUALITY = 82  # of 100: a photograph of 320 x 240 pixels is not to be told apart from the notebook's
 # The film of a lesson stands below the figure, if there is one, of the first cell with this line.
 FILMS: Mapping[str, Mapping[str, str]] = {
-    "07_ekf_slam": {"FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},
+    "07_ekf_slam": {"tools.FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},
     "08_graph_slam": {
         "GraphPanel(add_initial_position, add_relative_motion, add_relative_measurement, solve)": "08_graph_slam"
     },
     "09_pose_graphs": {"RelaxPanel()": "09_pose_graphs"},
     "11_slam_on_the_field": {
-        "check.payoff(draw_drives, measure=measure, EkfSlam=EkfSlam, GraphSlam=GraphSlam)": "11_slam_on_the_field"
+        "check.payoff(tools.draw_drives, measure=measure, EkfSlam=EkfSlam, GraphSlam=GraphSlam)": "11_slam_on_the_field"
     },
     "12_beyond": {
-        "ExplorePanel(find_frontiers, travel_steps)": "12_beyond",
-        'try_out(lambda: draw_finding(weigh, resample), "Finish exercises 12.1 and 12.2 to see it.")': "12_particles",
+        "tools.ExplorePanel(find_frontiers, travel_steps)": "12_beyond",
+        'try_out(lambda: tools.draw_finding(weigh, resample), "Finish exercises 12.1 and 12.2 to see it.")': (
+            "12_particles"
+        ),
     },
 }
 

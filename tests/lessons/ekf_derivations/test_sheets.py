@@ -59,7 +59,8 @@ def test_no_cell_that_the_grader_skips_defines_a_name_that_an_exercise_could_use
     for _, cell in lesson_text.code_cells(solved("05_ekf_derivations")):
         if lesson_text.role(cell) in ("display", "example", "payoff"):
             names |= names_given(lesson_text.python(cell))
-    assert names == {"lap_guess", "break_guess", "paper_minus_sympy", "ground_jacobian", "name_mistake"}
+    figures = {"lap_guess", "break_guess", "limits_with_guess"}
+    assert names == {*figures, "paper_minus_sympy", "ground_jacobian", "name_mistake"}
     assert not [name for name in names if re.fullmatch(r"[a-z]|theta|alpha|beta|[dl]_?[xy]", name)]
 
 
