@@ -127,3 +127,13 @@ def test_checks_load_no_panel_and_no_figure():
     script = f"import sys\n{imports}\nprint([name for name in ({heavy}) if name in sys.modules])"
     loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert loaded.stdout.strip() == "[]"
+
+
+def test_what_set_up_cells_import_loads_neither_matplotlib_nor_widgets():
+    """They come with the first figure and the first panel."""
+    imports = "\n".join(
+        f"import nao_course.{each}" for each in ("challenges", "plotting", "student", "widgets")
+    )
+    script = f"import sys\n{imports}\nprint([name for name in ('ipywidgets', 'matplotlib') if name in sys.modules])"
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert loaded.stdout.strip() == "[]"
