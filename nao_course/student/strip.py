@@ -107,10 +107,10 @@ def _check(stages: Sequence[Stage], folder: Path, seconds: float) -> tuple[Readi
     for stage in stages:
         after_unchecked = any(each.name in stage.after for each in unchecked)
         more = None if after_unchecked else add_from_stored(found, stage, folder)
-        if more is None and not after_unchecked:
-            more = _in_time(found, stage, folder, end - time.monotonic())
         if more is None and _is_blank(stage, folder):
             more = replace(found, missing={**found.missing, stage.name: "not begun"})
+        if more is None and not after_unchecked:
+            more = _in_time(found, stage, folder, end - time.monotonic())
         if more is None:
             unchecked.append(stage)
         else:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.pictures import distance
-from nao_course.lessons.distance.calibration import REAL, Marked, by_distance
+from nao_course.lessons.distance.calibration import Marked, by_distance
+from nao_course.lessons.distance.calibration_figure import REAL
 
 MOST = {"1-2 m": 0.12, "2-3 m": 0.25}  # m, median of the exact way's error
 

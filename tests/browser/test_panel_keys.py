@@ -4,7 +4,7 @@ import string
 
 import pytest
 
-from tests.browser.lesson_panels import panels_by_kind
+from tests.browser.lesson_panels import IMPORT, panels_by_kind
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -29,7 +29,7 @@ def notebook(lab, context):
     """Return a page with one panel of each kind, in the cells after the first."""
     lessons = panels_by_kind()
     made = [f"panel_of{lessons[kind]!r}" for kind in KINDS if kind in lessons]
-    lab.write("keys.ipynb", "from tests.browser.lesson_panels import panel_of", *made, CONTROL)
+    lab.write("keys.ipynb", IMPORT, *made, CONTROL)
     page = context.new_page()
     lab.open(page, "keys.ipynb")
     lab.run_all(page, 300)

@@ -1,5 +1,6 @@
 """Every exercise of every lesson keeps the rules of docs/write_a_lesson.md, by their numbers there."""
 
+import os
 import subprocess
 import sys
 import time
@@ -20,6 +21,7 @@ from tests.lessons.every import (
     graded,
     public_exercise,
     reference,
+    student_copy,
     waived,
     waived_rules_are_skipped,  # noqa: F401 - for every test here
 )
@@ -129,11 +131,14 @@ def test_checks_load_no_panel_and_no_figure():
     assert loaded.stdout.strip() == "[]"
 
 
-def test_what_set_up_cells_import_loads_neither_matplotlib_nor_widgets():
-    """They come with the first figure and the first panel."""
-    imports = "\n".join(
-        f"import nao_course.{each}" for each in ("challenges", "plotting", "student", "widgets")
+def test_set_up_cells_load_neither_matplotlib_nor_widgets(tmp_path):
+    """They come with the first figure and the first panel; `so_far` looks at the stages of all lessons."""
+    (cell, *_) = (cell.source for cell in student_copy("12_beyond").cells if cell.cell_type == "code")
+    script = (
+        f"{cell}\nimport sys\nprint([name for name in ('ipywidgets', 'matplotlib') if name in sys.modules])"
     )
-    script = f"import sys\n{imports}\nprint([name for name in ('ipywidgets', 'matplotlib') if name in sys.modules])"
-    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert loaded.stdout.strip() == "[]"
+    environment = os.environ | {"NAO_COURSE_NOTEBOOKS": str(tmp_path)}
+    ran = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
+    )
+    assert "so_far(" in cell and ran.stdout.splitlines()[-1] == "[]"

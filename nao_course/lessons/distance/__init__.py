@@ -5,7 +5,8 @@ from nao_course._internal.lazy_names import import_when_asked
 __all__, __getattr__, __dir__ = import_when_asked(
     __name__,
     {
-        "calibration": ("Marked", "draw_calibrated", "marked_pictures", "range_errors"),
+        "calibration": ("Marked", "marked_pictures", "range_errors"),
+        "calibration_figure": ("draw_calibrated",),
         "challenge_figure": ("draw_tilted_lines",),
         "figures": ("draw_arrows", "draw_paper_error"),
         "looks": ("MarkedPicture", "look_around", "usual_view"),

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, PAPER_MEANS, Setting
+from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, PAPER_MEANS, Setting, say_setting
 from nao_course.lessons.experiments.resampling import (
     CostTable,
     as_table,
@@ -31,11 +31,6 @@ Function = Callable[..., Any]
 OURS, THEIRS, NOTHING = STYLES["ekf"].colour, STYLES["graph"].colour, STYLES["odometry"].colour
 PROBABILITY = 0.95
 MOST_BARS = 9  # settings with a bar of their own in the figure of the winners
-
-
-def say_setting(setting: Setting) -> str:
-    """Return a short label for a setting: "120, 5, 40"."""
-    return ", ".join(f"{each:g}" for each in setting)
 
 
 def interval_of(bootstrap_interval: Function, values: FloatArray) -> tuple[float, float]:

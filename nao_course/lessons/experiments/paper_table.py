@@ -28,3 +28,8 @@ _SIGMAS = (
 )
 PAPER_MEANS: Mapping[Setting, float] = MappingProxyType(dict(zip(SETTINGS, _MEANS, strict=True)))
 PAPER_SIGMAS: Mapping[Setting, float] = MappingProxyType(dict(zip(SETTINGS, _SIGMAS, strict=True)))
+
+
+def say_setting(setting: Setting) -> str:
+    """Return a short label for a setting: "120, 5, 40"."""
+    return ", ".join(f"{each:g}" for each in setting)

@@ -13,8 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course.geometry import FloatArray
-from nao_course.lessons.experiments.landscape import NOTHING, OURS, THEIRS, say_setting
-from nao_course.lessons.experiments.paper_table import BEST, PAPER_MEANS, PICTURES, SETTINGS, Setting
+from nao_course.lessons.experiments.landscape import NOTHING, OURS, THEIRS
+from nao_course.lessons.experiments.paper_table import (
+    BEST,
+    PAPER_MEANS,
+    PICTURES,
+    SETTINGS,
+    Setting,
+    say_setting,
+)
 from nao_course.lessons.experiments.resampling import CostTable, as_table, rank_correlation
 from nao_course.plotting import Drawing, course_style
 from nao_course.plotting.legends import legend_below

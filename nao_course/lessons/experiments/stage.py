@@ -7,8 +7,15 @@ import numpy as np
 from nao_course._internal.counts import say_count
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.geometry import as_points
-from nao_course.lessons.experiments.landscape import say_setting
-from nao_course.lessons.experiments.paper_table import BETAS, GAPS, LENGTHS, PICTURES, SETTINGS, Setting
+from nao_course.lessons.experiments.paper_table import (
+    BETAS,
+    GAPS,
+    LENGTHS,
+    PICTURES,
+    SETTINGS,
+    Setting,
+    say_setting,
+)
 from nao_course.lessons.experiments.resampling import as_table
 from nao_course.lessons.experiments.scenes import simulated_scene
 from nao_course.sim import SimulatedNao

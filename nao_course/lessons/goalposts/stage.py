@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from nao_course import plotting
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.geometry import as_points
-from nao_course.plotting import painted
 from nao_course.sim import SimulatedNao
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
@@ -20,7 +20,7 @@ def _mark_feet(student: StudentCode, nao: SimulatedNao) -> StageFunction:
         threshold = student.white_threshold(mean_lightness(picture))
         labels = np.asarray(student.color_labels(picture, GREEN, YELLOW, threshold))
         feet = as_points(student.find_goalposts(labels.copy()), name="feet (u, v)")
-        return Overlay(feet, painted(labels), labels > 0, pixels=feet, text=f"{len(feet)} found")
+        return Overlay(feet, plotting.painted(labels), labels > 0, pixels=feet, text=f"{len(feet)} found")
 
     return look
 

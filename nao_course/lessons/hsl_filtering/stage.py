@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from nao_course import plotting
 from nao_course.geometry import Pose
-from nao_course.plotting import painted
 from nao_course.sim import LABELS, SimulatedNao, Truth
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
@@ -31,7 +31,7 @@ def _label_pixels(student: StudentCode, nao: SimulatedNao) -> StageFunction:
         mean = student.average_lightness(lightness, _SAMPLE, np.random.default_rng(0))
         labels = student.color_labels(picture, green, yellow, student.white_threshold(mean))
         shares = [f"{name} {np.mean(labels == label):.0%}" for label, name in enumerate(LABELS) if label]
-        return Overlay(labels, painted(labels), np.asarray(labels) > 0, text=", ".join(shares))
+        return Overlay(labels, plotting.painted(labels), np.asarray(labels) > 0, text=", ".join(shares))
 
     return look
 

@@ -16,7 +16,6 @@ from typing import Any, Literal
 import cv2
 import numpy as np
 import numpy.typing as npt
-from matplotlib.colors import to_rgb
 
 from nao_course._internal.time_limits import TooSlow
 from nao_course.exercises.lesson_names import number_of
@@ -38,7 +37,7 @@ SLOW = 0.25  # s of processor time for one picture; the panel warns if the stude
 JUDGED = 5  # latest pictures whose median is judged: the first picture calibrates, and others may be slow
 _NONE = np.empty((0, 2))
 _STRENGTH = 0.6  # opacity of an image that is laid over the picture
-_MARK = tuple(round(255 * each) for each in to_rgb("#ff3b81"))
+_MARK = (255, 59, 129)
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,12 @@ from nao_course.geometry import Pose
 from nao_course.lessons.distance.calibration import (
     EDGES,
     OFFSET,
-    REAL,
     Marked,
     by_distance,
-    draw_calibrated,
     marked_pictures,
     range_errors,
 )
+from nao_course.lessons.distance.calibration_figure import REAL, draw_calibrated
 from nao_course.lessons.distance.looks import ahead, look_around, tilted_measurements, usual_view
 from nao_course.sim import TorsoTilt
 from tests.lessons.distance.own import GEOMETRY, OWN, polar
