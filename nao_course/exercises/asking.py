@@ -147,6 +147,17 @@ class Prediction:
             self._view.refresh()
         return Message(self.said())
 
+    def unlocks(self, answer: object) -> object:
+        """Return what shows the result, such as a figure; without a prediction, a sentence in its place.
+
+        The executed lesson and graders always get the answer.
+        """
+        from nao_course.exercises.checking import strict
+
+        if self.value is not None or self.given_up or strict():
+            return answer
+        return Message("This figure waits for your prediction: write it down, then run this cell again.")
+
     def give_up(self) -> Message:
         """Return the result without a prediction."""
         self.given_up = self.final = self._measured is not None
