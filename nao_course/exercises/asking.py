@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Any
 
 from nao_course.exercises.exercise import PublicQuestion
-from nao_course.exercises.trying import Message
+from nao_course.exercises.trying import Message, strict
 
 _NUMBER = re.compile(
     r"(?P<number>[-+\N{MINUS SIGN}]?(\d+([.,]\d*)?|[.,]\d+)(e[-+]?\d+)?)\s*(?P<unit>\D*)", re.IGNORECASE
@@ -152,8 +152,6 @@ class Prediction:
 
         The executed lesson and graders always get the answer.
         """
-        from nao_course.exercises.checking import strict
-
         if self.value is not None or self.given_up or strict():
             return answer
         return Message("This figure waits for your prediction: write it down, then run this cell again.")
