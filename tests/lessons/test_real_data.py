@@ -31,7 +31,7 @@ def test_the_measured_posts_are_two_clusters_which_are_too_near():
     for each in found[2:5]:
         near, far = each[np.argsort(each[:, 1])]
         assert near == pytest.approx((2.8, -0.7), abs=0.05) and far == pytest.approx((2.8, 0.7), abs=0.05)
-    quotes(text("02"), "measured these 47 times", "(3.0, ±0.7) m", "From 0.15 to 1.1 m", "0.2 m too near")
+    quotes(text("02"), "measured them 47 times", "(3.0, ±0.7) m", "From 0.15 to 1.1 m", "0.2 m too near")
 
 
 @pytest.mark.slow
