@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from nao_course.geometry import FloatArray
+from nao_course.geometry import FloatArray, Pose
 from nao_course.sim import Field
 from nao_course.sim.drives import Drive, Step
-from nao_course.slam import Motion
+from nao_course.slam import Measurement, Motion, measured_points
 
 FILE = Path(__file__).with_suffix(".json")
 FIELD = Field(2012, half=False)
@@ -52,3 +52,13 @@ def recorded_walk() -> Drive:
         )
         before = pose
     return Drive(FIELD.detectable_positions, tuple(steps))
+
+
+def measured_posts() -> FloatArray:
+    """Return where the walk's 47 measurements of goal posts place them, (47, 2), m, in the field frame."""
+    placed = list[FloatArray]()
+    for step in recorded_walk().steps:
+        pairs = zip(step.numbers, step.measurements, strict=True)
+        seen = [Measurement(b, r, "post") for i, (b, r) in pairs if FIELD.detectable_kinds[i] == "post"]
+        placed.append(measured_points(seen, Pose.from_array(step.pose)))
+    return np.concatenate(placed)

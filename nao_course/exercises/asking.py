@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Any
 
 from nao_course.exercises.exercise import PublicQuestion
-from nao_course.exercises.trying import Message
+from nao_course.exercises.trying import Message, strict
 
 _NUMBER = re.compile(
     r"(?P<number>[-+\N{MINUS SIGN}]?(\d+([.,]\d*)?|[.,]\d+)(e[-+]?\d+)?)\s*(?P<unit>\D*)", re.IGNORECASE
@@ -146,6 +146,15 @@ class Prediction:
         if self._view is not None:
             self._view.refresh()
         return Message(self.said())
+
+    def unlocks(self, answer: object) -> object:
+        """Return what shows the result, such as a figure; without a prediction, a sentence in its place.
+
+        The executed lesson and graders always get the answer.
+        """
+        if self.value is not None or self.given_up or strict():
+            return answer
+        return Message("This figure waits for your prediction: write it down, then run this cell again.")
 
     def give_up(self) -> Message:
         """Return the result without a prediction."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dis
 import inspect
-import os
 import sys
 import warnings
 import zlib
@@ -28,7 +27,15 @@ from nao_course.exercises.exercise import PublicExercise, PublicLesson
 from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.judging import AT_FAULT, Report, explain, with_the_reason
 from nao_course.exercises.lesson_names import number_of
-from nao_course.exercises.trying import Message, Remarked, explain_unknown_names, show, try_out
+from nao_course.exercises.trying import (
+    Message,
+    Remarked,
+    explain_unknown_names,
+    show,
+    strict,
+    try_out,
+    under_nbgrader,
+)
 
 _SECONDS_FOR_A_REASON = 2.0  # wall clock for a case of another exercise that the report mentions
 _DATA = "checks"
@@ -229,11 +236,11 @@ class Checks:
         on stderr, such as a warning, makes them 0. If NBGRADER_EXECUTION or NAO_COURSE_STRICT is set, a wrong function
         raises CheckFailed.
         """
-        with redirect_stderr(sys.stdout) if _under_nbgrader() else nullcontext():
+        with redirect_stderr(sys.stdout) if under_nbgrader() else nullcontext():
             report = self._report_on(name, function)
         if strict() and not (isinstance(report, Report) and report):
             raise CheckFailed(repr(report))
-        if _under_nbgrader():
+        if under_nbgrader():
             show(report)
             return None
         return report
@@ -394,15 +401,6 @@ def _loaded(codes: Iterable[CodeType]) -> Iterator[str]:
             if step.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
                 yield step.argval
         yield from _loaded(each for each in code.co_consts if isinstance(each, CodeType))
-
-
-def strict() -> bool:
-    """Return whether a check that does not pass must raise: under nbgrader, and in tests."""
-    return _under_nbgrader() or bool(os.environ.get("NAO_COURSE_STRICT"))
-
-
-def _under_nbgrader() -> bool:
-    return bool(os.environ.get("NBGRADER_EXECUTION"))
 
 
 def lesson(name: str) -> tuple[Checks, Callable[[str], Message]]:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from nao_course.exercises.answered import notebooks_in
-from nao_course.exercises.checking import grade_public, lessons, read_public, strict
+from nao_course.exercises.checking import grade_public, lessons, read_public
 from nao_course.exercises.definitions import NO_DEFINITION, Definitions, Skipped, load_definitions
 from nao_course.exercises.earlier import EarlierNotUsable, is_resolved, not_usable, split_use, stand_in
 from nao_course.exercises.exercise import PublicExercise
@@ -26,7 +26,7 @@ from nao_course.exercises.judging import CheckState, Report, with_the_reason
 from nao_course.exercises.lesson_names import meant, number_of
 from nao_course.exercises.outline import read_outline
 from nao_course.exercises.running import TimeIsUp, alarm
-from nao_course.exercises.trying import Message
+from nao_course.exercises.trying import Message, strict
 from nao_course.exercises.versions import newer_than_here
 from nao_course.student import verdicts
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nao_course.exercises.checking import lessons, strict
+from nao_course.exercises.checking import lessons
 from nao_course.exercises.lesson_names import number_of
+from nao_course.exercises.trying import strict
 from nao_course.student.notebooks import own_function, stored_result
 
 if TYPE_CHECKING:  # the panels take long to import

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nao_course.exercises.answered import BLANK, copies_of
-from nao_course.exercises.checking import strict
 from nao_course.exercises.lesson_names import number_of
 from nao_course.exercises.running import TimeIsUp, alarm
+from nao_course.exercises.trying import strict
 from nao_course.student.notebooks import notebook_of, notebooks_folder
 from nao_course.student.stages import (
     Readiness,

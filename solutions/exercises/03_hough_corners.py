@@ -234,6 +234,10 @@ ERASE_BACKGROUND = Exercise(
             Without an axis, np.roll shifts the flattened picture, so the columns move sideways. Give axis=0, and replace the rows that come back at the bottom with False.
         any colour: labels == 1 => labels != 0
             You count every label except 0. Only green (label 1) is carpet: a white wall is not a run.
+        green kept: np.logical_or.accumulate(begins), labels => np.logical_or.accumulate(begins) | (labels == 1), labels
+            Above the first long enough run, your green pixels keep their label. A shorter run of green is background, too: everything above becomes 0.
+        white alone erased: np.logical_or.accumulate(begins), labels => np.logical_or.accumulate(begins) | (labels != 3), labels
+            You erase only the white pixels above the run. Green and yellow pixels there become 0 as well.
         painted green: labels, 0) => labels, begins.any(axis=0))
             The erased pixels become green. They must become 0 (other).
         all but white: accumulate(begins) => accumulate(begins) & (labels == 3)
@@ -1266,8 +1270,8 @@ MERGE_EDGES = Exercise(
     hidden=_merge_hidden,
     comparison=Segments(tolerance=0.5, share=0.99),
     hints=(
-        "Use coordinates along and across the first segment. With the unit vector d along it, the vector from P to a point R is (R - P) . d long in its direction, and d x (R - P) across it. Both segments then become intervals, and the average of the second one's two values across says how far away it is.",
-        "The centre line starts at min(0, smallest along) and ends at max(length, largest along). Add half of the average offset across, times the vector (-d_v, d_u), which is perpendicular to d. The sine of the angle is the difference of the two values across, divided by the length of the second segment.",
+        "Use coordinates along and across the first segment. With the vectors A and B of the exercise, an end of the second segment is at A . B along the first and at A x B across it. Both segments then become intervals, and the average of the second one's two values across says how far away it is.",
+        "The centre line starts at min(0, smallest along) and ends at max(length, largest along). Add half of the average offset across, times the vector (-A_v, A_u), which is perpendicular to A. The sine of the angle is the difference of the two values across, divided by the length of the second segment.",
     ),
     mistakes=catalogue("""
         single edges kept: np.array(merged) => np.array([*segments, *merged])
@@ -1277,7 +1281,7 @@ MERGE_EDGES = Exercise(
         on the first edge: across.mean() / 2 => 0
             Your line is still on the first edge. Move it by half of the distance towards the second.
         on the wrong side: np.array([-d[1], d[0]]) => np.array([d[1], -d[0]])
-            Your line is on the side of the first segment where there is no second edge. The vector (-d_v, d_u) points to the side where d x (R - P) is positive.
+            Your line is on the side of the first segment where there is no second edge. The vector (-A_v, A_u) points to the side where A x B is positive.
         distance without a sign: across.mean() / 2 => abs(across.mean()) / 2
             Your line is on the wrong side if the second edge lies on the other side of the first. The sign of the distance says which side it is: take the absolute value only to compare it with 1 and max_width.
         ends averaged: [*(centre + min(0, along.min()) * d), *(centre + max(length, along.max()) * d)] => [*((p + q[0]) / 2), *((end + q[1]) / 2)]
@@ -1286,11 +1290,17 @@ MERGE_EDGES = Exercise(
             You average the ends of both segments, so your line is too short if one of them begins or ends farther away. Move the first segment sideways, and extend it from the first end of the two to the last.
         not perpendicular: - d[1] * (q - p)[:, 0] => + d[1] * (q - p)[:, 0]
             np.array([-d[1], d[0]]) => np.array([d[1], d[0]])
-            You measure across the segment with (d_v, d_u), which is not perpendicular to it. One sign must change: (-d_v, d_u).
+            You measure across the segment with (A_v, A_u), which is not perpendicular to it. One sign must change: (-A_v, A_u).
+        along from the picture's corner: along, across = (q - p) @ d => along, across = q @ d
+            You measure the positions along the first segment from the picture's corner (0, 0). Measure them from the start P of the first segment: A . B, where B goes from P to an end of the second.
+        across from the picture's corner: d[0] * (q - p)[:, 1] - d[1] * (q - p)[:, 0] => d[0] * q[:, 1] - d[1] * q[:, 0]
+            You measure the distances across from a line through the picture's corner (0, 0). In A x B, the vector B begins at the start P of the first segment: subtract P first.
+        both from the picture's corner: (q - p) @ d, d[0] * (q - p)[:, 1] - d[1] * (q - p)[:, 0] => q @ d, d[0] * q[:, 1] - d[1] * q[:, 0]
+            You use the ends of the second segment themselves in place of B, so both of your values are measured from the picture's corner (0, 0). B begins at the start P of the first segment.
         one end's distance: across.mean() =>> across[0]
             You use the distance of one end of the second segment. Take the average of both ends.
         no absolute value: abs(across[1] - across[0]) < => across[1] - across[0] <
-            You join segments that meet at a large angle. D x E is negative if the second segment turns the other way, so compare its absolute value with the sine of 10 degrees.
+            You join segments that meet at a large angle. The difference of the two values across is negative if the second segment turns the other way, so take its absolute value.
         sine of 10 radians: np.sin(np.radians(10)) => np.sin(10)
             np.sin(10) is the sine of 10 radians, which is negative, so no two segments are parallel for you. Use np.sin(np.radians(10)).
         five degrees: np.sin(np.radians(10)) => np.sin(np.radians(5))

@@ -117,6 +117,19 @@ def test_without_a_prediction_the_result_waits_for_one_or_for_the_one_who_gives_
     assert repr(guess.write("1")) == "You predicted 1 cm; it is 2 cm."
 
 
+def test_a_figure_waits_for_a_prediction_or_for_the_one_who_gives_up_but_not_in_a_build(ask_for, monkeypatch):
+    monkeypatch.delenv("NAO_COURSE_STRICT", raising=False)
+    guess, other = ask_for(unit="m"), ask_for(unit="cm")
+    assert "run this cell again" in repr(guess.unlocks("a figure"))
+    guess.write("1")
+    other.beside(2.0)
+    assert "waits" in repr(other.unlocks("a figure"))
+    other.give_up()
+    assert guess.unlocks("a figure") == other.unlocks("a figure") == "a figure"
+    monkeypatch.setenv("NAO_COURSE_STRICT", "1")
+    assert ask_for(unit="s").unlocks("a figure") == "a figure"
+
+
 def shown(guess):
     """The widgets of a prediction: field, button and what is said."""
     guess._repr_mimebundle_()

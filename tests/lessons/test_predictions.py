@@ -24,7 +24,7 @@ from nao_course.lessons.pose_graphs.guesses import HEADINGS, POSITIONS, draw_arr
 from nao_course.metrics import PointMatch
 from nao_course.plotting import Drawing, with_guess
 from nao_course.slam import Motion
-from tests.lessons.every import solved
+from tests.lessons.every import solved, text
 from tests.lessons.experiments.own import table
 
 LABELS = np.zeros((4, 4), dtype=np.uint8)
@@ -64,6 +64,15 @@ FIGURES = {
     ("12_beyond", "ancestors_guess"): (lambda: empty("particles", ""), 50, "particles"),
     ("12_beyond", "blind_guess"): (lambda: empty("median (cm)", ""), 0.2, "cm"),
 }
+WAITING = {
+    "00": ("square_guess", "straight_guess"),
+    "01": ("dark", "stray"),
+    "02": ("height_guess", "false_guess"),
+    "03": ("run_guess", "cost_guess"),
+    "08": ("filled_guess", "turn_guess"),
+    "10": ("promise_guess", "source_guess"),
+    "12": ("ancestors_guess", "blind_guess"),
+}
 PLACES = {"false_guess": 0.6, "blind_guess": 20}  # where a line is not at the number that was predicted
 
 
@@ -99,6 +108,11 @@ def test_a_prediction_is_drawn_on_the_axis_of_its_quantity(lesson, prediction):
         assert (line.get_xdata() if axis == "x" else line.get_ydata())[0] == pytest.approx(place)
         assert label in (ax.get_xlabel() if axis == "x" else ax.get_ylabel())
     assert drawn.alt.endswith(f"marks your prediction, {value:g}.")
+
+
+@pytest.mark.parametrize("lesson", WAITING)
+def test_a_figure_that_shows_the_result_waits_for_the_prediction(lesson):
+    assert all(f"{prediction}.unlocks(" in text(lesson) for prediction in WAITING[lesson])
 
 
 @pytest.mark.parametrize("given", [None, 0.5])

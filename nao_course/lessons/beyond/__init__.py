@@ -13,6 +13,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
             "draw_finding",
             "draw_journeys",
             "draw_lost_filters",
+            "draw_real_finding",
             "journeys_table",
         ),
         "panels": ("ExplorePanel", "MovesPanel", "TwoCamerasPanel"),

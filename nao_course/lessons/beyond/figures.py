@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nao_course._internal.counts import say_count
+from nao_course.datasets import real_walk, recorded_walk
 from nao_course.geometry import FloatArray, Pose, wrap_angle
 from nao_course.lessons.beyond.particles import FastSlam, ParticleRun, anywhere, find_itself, run_fast_slam
 from nao_course.lessons.beyond.planning import Journey, at_random, journey
@@ -29,6 +30,7 @@ from nao_course.plotting import (
 )
 from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.style import GREY, style_of
+from nao_course.sim import Field
 from nao_course.sim.drives import Step
 from nao_course.slam import Motion, range_and_bearing
 
@@ -36,6 +38,7 @@ Function = Callable[..., Any]
 LAP = Motion(0.2, 0.25)  # a circle of 0.8 m
 START = Pose(1.4, -0.8, 0.0)
 LOST_SEED, LOST_SHOWN = 2, (0, 1, 3, 13)  # the clouds after these numbers of observations are shown
+REAL_SHOWN = (1, 16, 24)  # the last of the real walk's pictures with a landmark is the 24th
 # Number of filters that get lost, and the standard deviations of their first poses: m, m, rad.
 FILTERS, FIRST_SIGMAS = 40, (1.0, 1.5, 1.8)
 FOUND = 0.3  # m: a filter or particle that is closer has found the robot
@@ -120,10 +123,46 @@ def draw_finding(
     clouds = find_itself(weigh, resample, steps, np.random.default_rng(seed), particles)
     truth = np.array([steps[0].pose, *(step.pose for step in steps)])
     said = []
-    figure = Figure(figsize=(9.9, 3.9))
-    for ax, count in zip(figure.subplots(1, len(LOST_SHOWN), sharey=True), LOST_SHOWN, strict=True):
-        plot_field(FIELD, ax)
-        plot_landmarks(LANDMARKS, KINDS, ax, GREY, size=5)
+    for count in LOST_SHOWN:
+        near = np.hypot(*(clouds[count][:, :2] - truth[count, :2]).T) < FOUND
+        said.append(
+            f"after {say_count(count, 'observation')} {near.mean():.0%} of the particles are within {FOUND} m"
+        )
+    return Drawing(
+        _clouds(FIELD, clouds, truth, LOST_SHOWN, (9.9, 3.9)),
+        f"{particles} particles on the half field and the true robot: {'; '.join(said)}.",
+    )
+
+
+@course_style()
+def draw_real_finding(weigh: Function, resample: Function, particles: int = 2000, seed: int = 0) -> Drawing:
+    """Draw the particles of a real NAO that does not know its place on a whole field, during its walk."""
+    steps = recorded_walk().steps[: REAL_SHOWN[-1]]
+    field = real_walk.FIELD
+    clouds = find_itself(weigh, resample, steps, np.random.default_rng(seed), particles, field)
+    truth = np.array([steps[0].pose, *(step.pose for step in steps)])
+    said = []
+    for count in REAL_SHOWN:
+        here, opposite = (
+            np.hypot(*(clouds[count][:, :2] - place).T) < FOUND
+            for place in (truth[count, :2], -truth[count, :2])
+        )
+        said.append(f"after {say_count(count, 'observation')} {here.mean():.0%} and {opposite.mean():.0%}")
+    return Drawing(
+        _clouds(field, clouds, truth, REAL_SHOWN, (11.4, 3.9)),
+        f"{particles} particles on a whole field and a real NAO. Within {FOUND} m of the robot, and of the place "
+        f"opposite it through the field's centre, are {'; '.join(said)}.",
+    )
+
+
+def _clouds(
+    field: Field, clouds: list[FloatArray], truth: FloatArray, shown: Sequence[int], size: tuple[float, float]
+) -> Figure:
+    """Draw particles and the true robot on a map for each of some numbers of observations."""
+    figure = Figure(figsize=size)
+    for ax, count in zip(figure.subplots(1, len(shown), sharey=True), shown, strict=True):
+        plot_field(field, ax)
+        plot_landmarks(field.detectable_positions, field.detectable_kinds, ax, GREY, size=5)
         ax.plot(
             *clouds[count][:, :2].T,
             ".",
@@ -136,13 +175,9 @@ def draw_finding(
         ax.set_title("at the start" if not count else f"after {say_count(count, 'observation')}", fontsize=11)
         if ax is not figure.axes[0]:
             ax.set_ylabel("")
-        near = np.hypot(*(clouds[count][:, :2] - truth[count, :2]).T) < FOUND
-        said.append(
-            f"after {say_count(count, 'observation')} {near.mean():.0%} of the particles are within {FOUND} m"
-        )
     dot = Line2D([], [], color=STYLES["ekf"].colour, marker=".", ls="", ms=8, label="particle (position)")
     legend_below(figure, [source_key("truth", "robot"), dot])
-    return Drawing(figure, f"{particles} particles on the half field and the true robot: {'; '.join(said)}.")
+    return figure
 
 
 def depleted(update_particle_landmark: Function, resample: Function, n: int) -> ParticleRun:

@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from nao_course._internal.counts import say_count
 from nao_course.exercises import Close, Verdict, register
-from nao_course.field_slam.drives import INSIDE
+from nao_course.field_slam.drives import inside
 from nao_course.geometry import FloatArray, Pose, pose_errors, wrap_angle
-from nao_course.lessons.beyond.worlds import KINDS, LANDMARKS, SENSOR, moved
+from nao_course.lessons.beyond.worlds import FIELD, LANDMARKS, SENSOR, moved
 from nao_course.metrics import squared_distances
+from nao_course.sim import Field
 from nao_course.sim.drives import Function, Step
 from nao_course.slam import LandmarkKind, Motion
 
@@ -25,19 +26,22 @@ CLUTTER = 1e-3
 # --- global localisation ---
 
 
-def anywhere(n: int, rng: np.random.Generator) -> FloatArray:
-    """Draw particles (n, 3) all over the half field, with any heading."""
-    low, high = np.array(INSIDE) + ((-0.2, -0.2), (0.2, 0.2))
+def anywhere(n: int, rng: np.random.Generator, field: Field = FIELD) -> FloatArray:
+    """Draw particles (n, 3) all over a field, by default the half field, with any heading."""
+    low, high = np.array(inside(field)) + ((-0.2, -0.2), (0.2, 0.2))
     return np.column_stack([rng.uniform(low, high, (n, 2)), rng.uniform(-np.pi, np.pi, n)])
 
 
-def weigh_unnamed(weigh: Function, particles: FloatArray, kind: LandmarkKind, seen: FloatArray) -> FloatArray:
+def weigh_unnamed(
+    weigh: Function, particles: FloatArray, kind: LandmarkKind, seen: FloatArray, field: Field = FIELD
+) -> FloatArray:
     """Return the log weights (n,) of particles for one measurement of a landmark whose kind alone is known.
 
     Each landmark of this kind is equally probable, so the weight is the mean over all of them.
     """
     [R] = SENSOR.covariances(seen[None])
-    places = [place for place, each in zip(LANDMARKS, KINDS, strict=True) if each == kind]
+    marks = zip(field.detectable_positions, field.detectable_kinds, strict=True)
+    places = [place for place, each in marks if each == kind]
     logs = np.array(
         [
             log_weights(weigh(particles.copy(), place.copy(), seen.copy(), R.copy()), len(particles))
@@ -150,20 +154,25 @@ def _odd_counts(weights: FloatArray, counts: npt.NDArray[np.intp]) -> str:
 
 
 def find_itself(
-    weigh: Function, resample: Function, steps: Iterable[Step], rng: np.random.Generator, n: int = 1000
+    weigh: Function,
+    resample: Function,
+    steps: Iterable[Step],
+    rng: np.random.Generator,
+    n: int = 1000,
+    field: Field = FIELD,
 ) -> list[FloatArray]:
     """Return the n particles (n, 3) at the start and after each step on a known map, first spread everywhere.
 
     Only the kinds of the landmarks are used.
     """
-    particles = anywhere(n, rng)
+    particles = anywhere(n, rng, field)
     clouds = [particles]
     for step in steps:
         if step.motion is not None:
             particles = moved(particles, step.motion, rng.standard_normal((n, 3)))
         logs = np.zeros(n)
         for number, seen in zip(step.numbers, step.measurements, strict=True):
-            logs = logs + weigh_unnamed(weigh, particles, KINDS[number], seen)
+            logs = logs + weigh_unnamed(weigh, particles, field.detectable_kinds[number], seen, field)
         if len(step.numbers):
             particles = particles[chosen(resample(normalised(logs), rng), n)]
         clouds.append(particles)

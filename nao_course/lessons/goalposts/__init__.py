@@ -27,6 +27,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
             "scenes_by_distance",
             "turning_head",
         ),
+        "nao_course.datasets.real_walk": ("measured_posts",),
         "nao_course.metrics": ("total",),
     },
 )

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse
 from matplotlib.figure import Figure
 
-from nao_course.exercises.checking import strict
+from nao_course.exercises.trying import strict
 from nao_course.geometry import FloatArray
 from nao_course.lessons.graph_slam.systems import not_a_solution
 from nao_course.plotting import Drawing, course_style

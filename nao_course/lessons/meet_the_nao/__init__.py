@@ -6,7 +6,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
     __name__,
     {
         "drift": ("commanded", "draw_drift", "draw_growth", "measure_drift"),
-        "figures": ("draw_cameras", "draw_frames", "draw_ground_steps", "plot_footprint"),
+        "figures": ("draw_cameras", "draw_frames", "draw_ground_steps", "draw_real_posts", "plot_footprint"),
         "lost": ("draw_lost_and_found",),
         "panel": ("HeadPanel",),
         "slalom_figure": ("robots_through",),

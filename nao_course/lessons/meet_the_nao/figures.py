@@ -8,14 +8,16 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Patch, Rectangle, Wedge
 
+from nao_course.datasets import real_walk, recorded_walk
 from nao_course.geometry import FloatArray, Pose
 from nao_course.plotting.drawing import Drawing, say_angle
 from nao_course.plotting.halo import HALO
-from nao_course.plotting.legends import legend_below
+from nao_course.plotting.legends import legend_below, source_key
 from nao_course.plotting.maps import plot_field, say_field
-from nao_course.plotting.paths import plot_pose
+from nao_course.plotting.paths import plot_path, plot_pose
 from nao_course.plotting.pictures import plot_picture
 from nao_course.plotting.style import CARPET, STYLES, course_style
 from nao_course.sim import NAO_V4, CameraView, Field, SimulatedNao
@@ -150,6 +152,29 @@ def draw_ground_steps(view: CameraView, title: str | None = None) -> Drawing:
     at = ", ".join(f"{np.interp(each, ahead, steps):.1f} at {each:.0f} m" for each in (1, 2, 3))
     return Drawing(
         figure, f"{title or 'Ground and pixels'}. 10 cm on the ground cover this number of pixels: {at}."
+    )
+
+
+@course_style()
+def draw_real_posts() -> Drawing:
+    """Draw where a real NAO was put down on its walk, and where its measurements place the posts of the goal."""
+    walk, posts = recorded_walk(), real_walk.measured_posts()
+    true = walk.landmarks[-2:][(posts[:, 1] > 0).astype(int)]
+    figure = Figure(figsize=(7.4, 4.4))
+    ax = figure.add_subplot()
+    plot_field(real_walk.FIELD, ax)
+    plot_path([step.pose for step in walk.steps if len(step.numbers)], ax)
+    ax.plot(*posts.T, "o", mfc="none", mec=STYLES["ekf"].colour, ms=7, mew=1.2, zorder=5)
+    measured = Line2D(
+        [], [], color=STYLES["ekf"].colour, marker="o", mfc="none", ls="", label="measured post"
+    )
+    legend_below(figure, [source_key("truth", "where it was put down"), measured])
+    ax.set_ylim(-1.8, 1.8)
+    off = posts - true
+    return Drawing(
+        figure,
+        f"A real NAO's {len(posts)} measurements of the posts of a goal, on the map. Along the walk they are "
+        f"{off[:, 0].min():.2f} to {off[:, 0].max():.2f} m off, and across it {np.abs(off[:, 1]).max():.2f} m at most.",
     )
 
 
