@@ -93,7 +93,7 @@ def interval_score(low: float, high: float, value: float) -> float:
 
 
 def judge(answer: Any, room: Room) -> CaseScore:
-    """Score a room: its mean cost, by Table 6.1 but for missed corners, and the interval score of the prediction."""
+    """Score a room: its mean cost, by Table 6.1 except for missed corners, and the interval score of the prediction."""
     claim = as_claim(answer, len(room.scenes))
     matches = [
         match_points(each, corners) for each, (_, corners) in zip(claim.corners, room.scenes, strict=True)
