@@ -1159,7 +1159,7 @@ EVALUATE_LANDMARKS = Exercise(
         the homework's: error @ np.linalg.solve(P, error) => error @ P @ error
             You multiply by the covariance, as the homework does: sqrt(dᵀ P d) grows when the filter is less certain. The Mahalanobis distance uses the inverse of P.
         the root of each entry of P: error @ np.linalg.solve(P, error) => np.sum(np.linalg.solve(np.sqrt(P), error) ** 2)
-            np.sqrt(P) takes the root of each entry, which is no root of a matrix. Use d @ np.linalg.solve(P, d), or L = np.linalg.cholesky(P) and np.linalg.solve(L, d).
+            np.sqrt(P) takes the root of each entry, which is not the root of the matrix. Use d @ np.linalg.solve(P, d), or L = np.linalg.cholesky(P) and np.linalg.solve(L, d).
         the root of each entry of the inverse: error @ np.linalg.solve(P, error) => np.sum((np.sqrt(np.linalg.inv(P)) @ error) ** 2)
             np.sqrt takes the root of each entry of the inverse, and negative entries have none. Take the root at the end: the square root of d @ np.linalg.inv(P) @ d.
         standard deviations in the quadratic form: error @ np.linalg.solve(P, error) => error @ np.linalg.solve(np.sqrt(P), error)

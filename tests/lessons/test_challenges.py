@@ -71,7 +71,14 @@ REFUSED = {
         ((0.1, 0.2, 0.0), "more than 0"),
     ],
     "05_ekf_derivations": [(3, "int"), ("no such", "MISTAKES")],
-    "08_graph_slam": [(1.5, "whole"), (60, "60"), (-2, "60"), (True, "whole")],
+    "08_graph_slam": [
+        ([1.5], "whole"),
+        ([60], "60"),
+        ([-2], "60"),
+        ([True], "whole"),
+        ([1, 1], "different"),
+        (3, "list"),
+    ],
     "09_pose_graphs": [
         ((np.zeros(720), np.zeros(3)), "states"),
         (np.zeros(3), r"\(720,\)"),
