@@ -24,7 +24,7 @@ def nearest(omega: FloatArray, xi: FloatArray, candidates: Candidates) -> list[i
 
 
 def most_information(omega: FloatArray, xi: FloatArray, candidates: Candidates) -> list[int]:
-    """Measure what lowers the entropy most: the variance of the difference against that of the measurement."""
+    """Measure what lowers the entropy most: the variance of the difference divided by the measurement's."""
     p = np.linalg.inv(omega)
     each = [(p[i, i] + p[j, j] - 2 * p[i, j]) / epsilon for i, j, epsilon in candidates]
     return np.argsort(each)[-MOST:].tolist()

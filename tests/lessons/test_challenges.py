@@ -124,6 +124,10 @@ QUOTED = {
         ("a better filter", "score", ".1f"),
         ("a better filter", "NEES", ".1f"),
     ],
+    "08_graph_slam": [
+        ("nothing, as in the paper", "score", ".2f"),
+        ("a better one: one by one, smallest maximum", "score", ".2f"),
+    ],
     "10_experiments": [(name, "score", ".2f") for name in ("nothing", "the reference", "a better detector")],
     "12_beyond": [
         ("the paper's way, a fixed plan", "score", ".0f"),
