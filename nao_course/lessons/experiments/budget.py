@@ -145,12 +145,15 @@ def draw_range_budget(
         )
         at = [float(np.interp(d, distances, sigmas)) for d in (1.0, 2.0, 4.0)]
         words.append(f"{name}: {at[0]:.2f} m at 1 m, {at[1]:.2f} m at 2 m, {at[2]:.2f} m at 4 m")
-    twice = {"color": _COLOURS["tilt"], "ls": "--", "label": _say_source("tilt", pixel_sigma, 2 * tilt_sigma)}
-    ax.plot(distances, 2 * np.array(parts["tilt"]), **twice)
+    twice = _say_source("tilt", pixel_sigma, 2 * tilt_sigma)
+    ax.plot(distances, 2 * np.array(parts["tilt"]), "--", color=_COLOURS["tilt"], label=twice)
     ax.axhspan(0.1, 0.3, color="#e3e5e8", lw=0, zorder=0, label="10 - 30 cm, as in the paper")
     ax.set(xlabel="distance over the ground (m)", ylabel="sigma of the range (m)", ylim=(0, None))
     legend_below(figure, ax.get_legend_handles_labels()[0])
-    return Drawing(figure, f"Standard deviation of a range due to each source. {'; '.join(words)}.")
+    return Drawing(
+        figure,
+        f"Standard deviation of a range due to each source. {'; '.join(words)}; {twice}: twice as much.",
+    )
 
 
 def _range_sigma(covariance: Function, pixel: FloatArray, view: CameraView, *sigmas: float) -> float:
