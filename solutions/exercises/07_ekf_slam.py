@@ -276,6 +276,10 @@ INIT_LANDMARKS = Exercise(
             You return R, the covariance of bearing and range in rad^2 and m^2. The result must be the covariance of x and y: multiply R by J_z from the left and J_zᵀ from the right.
         Jacobian transposed: jacobian @ joint_noise(measurement_covariance, k) @ jacobian.T => jacobian.T @ joint_noise(measurement_covariance, k) @ jacobian
             You compute Jᵀ R J. The columns of J belong to bearing and range, so the product is J R Jᵀ.
+        columns of J_z exchanged: landmark_jacobians(pose, measurements[i : i + 2])[1] => landmark_jacobians(pose, measurements[i : i + 2])[1][:, ::-1]
+            The columns of your J_z are exchanged. The first column belongs to the bearing and the second to the range, in the order of the measurements, and landmark_jacobians returns J_z in this order.
+        rows of J_z exchanged: landmark_jacobians(pose, measurements[i : i + 2])[1] => landmark_jacobians(pose, measurements[i : i + 2])[1][::-1]
+            The rows of your J_z are exchanged. The first row belongs to x and the second to y, in the order of the landmarks.
         last factor not transposed: joint_noise(measurement_covariance, k) @ jacobian.T => joint_noise(measurement_covariance, k) @ jacobian
             You compute J R J. The last factor is Jᵀ: J R Jᵀ.
         last factor not transposed, block by block: jacobian @ joint_noise(measurement_covariance, k) @ jacobian.T => jacobian @ (joint_noise(measurement_covariance, k) * np.kron(np.eye(k), np.ones((2, 2)))) @ jacobian
@@ -446,6 +450,18 @@ PREDICT = Exercise(
         F for the whole: + if k:
             +     raise ValueError
             Your function fails as soon as there is a landmark. F and predict_pose are for the three values of the pose: use covariance[:3, :3] and state[:3].
+        F twice for the pose: F @ covariance[:3, :3] @ F.T => F @ F @ covariance[:3, :3] @ F.T @ F.T
+            You multiply the pose's own block by F twice. covariance[:3] and covariance[:, :3] contain this block, too: change the blocks next to it with covariance[:3, 3:] and covariance[3:, :3].
+        F twice for the pose and its noise: F @ covariance[:3, :3] @ F.T + G @ control_covariance @ G.T => F @ (F @ covariance[:3, :3] @ F.T + G @ control_covariance @ G.T) @ F.T
+            You multiply the new block of the pose by F again, and with it the noise. covariance[:3] and covariance[:, :3] contain this block: use covariance[:3, 3:] and covariance[3:, :3] for the blocks next to it.
+        F twice on the left: F @ covariance[:3, :3] @ F.T => F @ F @ covariance[:3, :3] @ F.T
+            In the pose's own block there are two F on the left. covariance[:3] = F @ covariance[:3] changes this block, too: use covariance[:3, 3:] for the block next to it.
+        F again on the left, with the noise: F @ covariance[:3, :3] @ F.T + G @ control_covariance @ G.T => F @ (F @ covariance[:3, :3] @ F.T + G @ control_covariance @ G.T)
+            After the pose's own block is complete, you multiply it by F from the left once more. covariance[:3] = F @ covariance[:3] contains it: use covariance[:3, 3:] for the block next to it.
+        F twice on the right: F @ covariance[:3, :3] @ F.T => F @ covariance[:3, :3] @ F.T @ F.T
+            In the pose's own block there are two Fᵀ on the right. covariance[:, :3] = covariance[:, :3] @ F.T changes this block, too: use covariance[3:, :3] for the block below it.
+        first F missing: F @ covariance[:3, :3] @ F.T => covariance[:3, :3] @ F.T
+            In the pose's own block the first factor is missing: F P_pp Fᵀ. If you copied covariance[:3].T into the columns, it also replaced this block.
         last F not transposed: F @ covariance[:3, :3] @ F.T => F @ covariance[:3, :3] @ F
             In the pose's own block you compute F P F. The last factor is Fᵀ: F P_pp Fᵀ.
         last F missing: F @ covariance[:3, :3] @ F.T => F @ covariance[:3, :3]
@@ -1142,6 +1158,18 @@ EVALUATE_LANDMARKS = Exercise(
     mistakes=catalogue("""
         the homework's: error @ np.linalg.solve(P, error) => error @ P @ error
             You multiply by the covariance, as the homework does: sqrt(dᵀ P d) grows when the filter is less certain. The Mahalanobis distance uses the inverse of P.
+        the root of each entry of P: error @ np.linalg.solve(P, error) => np.sum(np.linalg.solve(np.sqrt(P), error) ** 2)
+            np.sqrt(P) takes the root of each entry, which is not the root of the matrix. Use d @ np.linalg.solve(P, d), or L = np.linalg.cholesky(P) and np.linalg.solve(L, d).
+        the root of each entry of the inverse: error @ np.linalg.solve(P, error) => np.sum((np.sqrt(np.linalg.inv(P)) @ error) ** 2)
+            np.sqrt takes the root of each entry of the inverse, and negative entries have none. Take the root at the end: the square root of d @ np.linalg.inv(P) @ d.
+        standard deviations in the quadratic form: error @ np.linalg.solve(P, error) => error @ np.linalg.solve(np.sqrt(P), error)
+            You use np.sqrt(P) in dᵀ P⁻¹ d. The covariance itself is needed there; only the result gets a square root.
+        L without its inverse: error @ np.linalg.solve(P, error) => np.sum((np.linalg.cholesky(P) @ error) ** 2)
+            You multiply the error by L (or by roots of P), so the distance grows with the uncertainty. Solve instead: the distance is the length of np.linalg.solve(L, d), where P = L Lᵀ.
+        L transposed: error @ np.linalg.solve(P, error) => np.sum(np.linalg.solve(np.linalg.cholesky(P).T, error) ** 2)
+            You solve with Lᵀ. P = L Lᵀ, so the distance is the length of np.linalg.solve(L, d).
+        the root of each entry for L: error @ np.linalg.solve(P, error) => np.sum((np.sqrt(P) @ error) ** 2)
+            You multiply the error by np.sqrt(P), the roots of the entries of P. The Mahalanobis distance uses the inverse of the matrix P.
         no root: np.sqrt(squares) => np.array(squares)
             Your second distance is squared. Take its square root, so that 1 means one standard deviation.
         diagonal only: error @ np.linalg.solve(P, error) => np.sum(error**2 / np.diag(P))

@@ -199,6 +199,14 @@ a copy of a block: omega[FIRST, FIRST] += weight => omega[[FIRST, SECOND]][:, [F
     omega[FIRST, SECOND] -= weight => pass
     omega[SECOND, FIRST] -= weight => pass
     Your xi is right, but your Omega stays as it was. omega[rows][:, columns] is a copy, so += changes nothing in omega. Change the four entries one by one, or use omega[np.ix_(ij, ij)] with ij = [FIRST, SECOND].
+= on the diagonal: omega[FIRST, FIRST] += => omega[FIRST, FIRST] =
+    omega[SECOND, SECOND] += => omega[SECOND, SECOND] =
+    On the diagonal you assign with =, so the entries of earlier constraints are lost. Use += there.
+= in all of omega: omega[FIRST, FIRST] += => omega[FIRST, FIRST] =
+    omega[SECOND, SECOND] += => omega[SECOND, SECOND] =
+    omega[FIRST, SECOND] -= => omega[FIRST, SECOND] = -
+    omega[SECOND, FIRST] -= => omega[SECOND, FIRST] = -
+    Your xi is right, but in Omega you assign with =, so the entries of earlier constraints are lost. Use += and -= there, too.
 one entry off the diagonal: omega[SECOND, FIRST] -= weight => pass
     Omega must be symmetric. You change omega[FIRST, SECOND] but not omega[SECOND, FIRST].
 nothing on one diagonal: omega[FIRST, FIRST] += weight => pass
@@ -719,6 +727,21 @@ MARGINALIZE = Exercise(
             You keep the first variables. `keep` may contain any numbers, in any order: use np.ix_(keep, removed).
         each entry inverted: np.linalg.solve(omega[np.ix_(removed, removed)], between.T).T => between @ (1 / omega[np.ix_(removed, removed)])
             1 / block takes the reciprocal of each entry, and most entries are 0. Use np.linalg.solve, or np.linalg.inv.
+        * for @: np.linalg.solve(omega[np.ix_(removed, removed)], between.T).T => between * np.linalg.inv(omega[np.ix_(removed, removed)])
+            - share @ between.T, xi[keep] - share @ xi[removed] => - share * between.T, xi[keep] - share * xi[removed]
+            You multiply with *, which multiplies entry by entry. The product of matrices is @.
+        * for @ in omega: - share @ between.T, xi[keep] => - between * np.linalg.inv(omega[np.ix_(removed, removed)]) * between.T, xi[keep]
+            In omega you multiply with *, entry by entry. The product of matrices is @: B @ C^-1 @ Bᵀ.
+        * for @ in xi: xi[keep] - share @ xi[removed] => xi[keep] - share * xi[removed]
+            In xi you multiply with *, entry by entry. The product of a matrix and a vector is @, too.
+        B missing: np.linalg.solve(omega[np.ix_(removed, removed)], between.T).T => np.linalg.inv(omega[np.ix_(removed, removed)])
+            In equation 8.5 the block B = omega[np.ix_(keep, removed)] stands before the inverse: B C^-1 Bᵀ in omega and B C^-1 xi[removed] in xi. You left it out.
+        B missing in omega: - share @ between.T => - np.linalg.inv(omega[np.ix_(removed, removed)]) @ between.T
+            In omega the first block of the second term is missing: B C^-1 Bᵀ, where B is omega[np.ix_(keep, removed)].
+        B missing in xi: xi[keep] - share @ xi[removed] => xi[keep] - np.linalg.inv(omega[np.ix_(removed, removed)]) @ xi[removed]
+            In xi the first block of the second term is missing: B C^-1 xi[removed], where B is omega[np.ix_(keep, removed)].
+        the last block missing: - share @ between.T => - share
+            In omega the last block of the second term is missing: B C^-1 Bᵀ, where Bᵀ is omega[np.ix_(removed, keep)].
         plus in omega: - share @ between.T => + share @ between.T
             In omega you add the second term of equation 8.5. Subtract it.
         plus: share = np.linalg.solve => share = -np.linalg.solve

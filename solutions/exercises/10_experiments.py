@@ -217,6 +217,13 @@ DETECTION_COST = Exercise(
         each side on its own, hits by corners: hits = 0 => close = apart <= tolerance
             + return -1.333 * close.any(axis=0).sum() + 5 * (~close.any(axis=1)).sum() + (~close.any(axis=0)).sum()
             You test each corner and each report on its own for a partner, so one report can hit several corners, and extra reports at a corner cost nothing. Make pairs: after each hit, its report and its corner are no longer free.
+        a second report is free: hits = 0 => false = sum(not row.size or row.min() > tolerance for row in apart)
+            + hits = len({row.argmin() for row in apart if row.size and row.min() <= tolerance})
+            + return -1.333 * hits + 5 * false + (len(truth) - hits)
+            In your function a second report at a corner that was already hit costs nothing. It is false, too: the number of false reports is len(detected) - hits.
+        more hits than reports: hits = 0 => hits = (apart <= tolerance).any(axis=0).sum()
+            + return -1.333 * hits + 5 * max(len(detected) - hits, 0) + (len(truth) - hits)
+            In your function one report near two corners is two hits, so there can be more hits than reports; max(..., 0) hides this. Use each report only once.
         the nearest partner only: hits = 0 => hits = len({row.argmin() for row in apart if row.size and row.min() <= tolerance})
             + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
             You only try the nearest partner of a point. If this partner is taken, another one within the tolerance may still be free. After each hit, take the closest of all remaining pairs.
@@ -409,6 +416,12 @@ GRID_SEARCH = Exercise(
             zip pairs the gaps and lengths element by element. Use product(gaps, lengths) to get all combinations.
         another order of the key: {setting: np.array(costs) for setting, costs => {(b, n, g): np.array(costs) for (b, g, n), costs
             Your keys are (beta, length, gap). They should be (beta, gap, length).
+        the key from the last to the first: {setting: np.array(costs) for setting, costs => {(n, g, b): np.array(costs) for (b, g, n), costs
+            Your keys are (length, gap, beta). They should be (beta, gap, length).
+        the key with beta last: {setting: np.array(costs) for setting, costs => {(g, n, b): np.array(costs) for (b, g, n), costs
+            Your keys are (gap, length, beta). They should be (beta, gap, length).
+        the key with the gap first: {setting: np.array(costs) for setting, costs => {(g, b, n): np.array(costs) for (b, g, n), costs
+            Your keys are (gap, beta, length). They should be (beta, gap, length).
         an array: {setting: np.array(costs) for setting, costs in table.items()} => np.array(list(table.values()))
             You return the costs without their settings. Return a dict, in which table[beta, gap, length] contains the costs of one setting.
         a list that goes on: return {setting: np.array(costs) for setting, costs in table.items()} => costs = sum(table.values(), [])
@@ -624,9 +637,15 @@ POSSIBLE_HITS = Exercise(
         four thirds: 1.333 =>> (4 / 3)
             You use 4/3 for a hit. Table 6.1 prints 1.333, and with many hits the difference matters.
         rounded down: np.round => np.floor
-            You round n * mean + 1.333 n_h down. The nearest whole number may be above it, so use np.round.
+            You round n * mean + 1.333 n_h down, or take its remainder % 1, so only a whole number just below it counts. The nearest whole number may also be above it, so use np.round.
         rounded up: np.round => np.ceil
             You round n * mean + 1.333 n_h up. The nearest whole number may be below it, so use np.round.
+        the remainder to the next one: np.abs((others - 1.333 * hits) / n_pictures - mean_cost) => (1 - (n_pictures * mean_cost + 1.333 * hits) % 1) / n_pictures
+            You take the distance from n * mean + 1.333 n_h to the next whole number above it. The nearest one may also be below it, so use np.round.
+        the sign kept: np.abs((others - 1.333 * hits) / n_pictures - mean_cost) => (others - 1.333 * hits) / n_pictures - mean_cost
+            Your difference from mean_cost has a sign, so every mean that is too small passes. Take its absolute value, as in equation 10.3.
+        the other sign kept: np.abs((others - 1.333 * hits) / n_pictures - mean_cost) => mean_cost - (others - 1.333 * hits) / n_pictures
+            Your difference from mean_cost has a sign, so every mean that is too large passes. Take its absolute value, as in equation 10.3.
         no breath for floats: 0.0005 + 1e-9 => 0.0005
             Your function loses means that are off by exactly 0.0005, because of rounding errors of floats. Add 1e-9 to the bound.
         rounded and held against it: (off <= 0.0005 + 1e-9) => (np.round((others - 1.333 * hits) / n_pictures, 3) == mean_cost)

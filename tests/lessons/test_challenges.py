@@ -71,7 +71,14 @@ REFUSED = {
         ((0.1, 0.2, 0.0), "more than 0"),
     ],
     "05_ekf_derivations": [(3, "int"), ("no such", "MISTAKES")],
-    "08_graph_slam": [(1.5, "whole"), (60, "60"), (-2, "60"), (True, "whole")],
+    "08_graph_slam": [
+        ([1.5], "whole"),
+        ([60], "60"),
+        ([-2], "60"),
+        ([True], "whole"),
+        ([1, 1], "different"),
+        (3, "list"),
+    ],
     "09_pose_graphs": [
         ((np.zeros(720), np.zeros(3)), "states"),
         (np.zeros(3), r"\(720,\)"),
@@ -116,6 +123,10 @@ QUOTED = {
         ("the three nearest", "NEES", ".0f"),
         ("a better filter", "score", ".1f"),
         ("a better filter", "NEES", ".1f"),
+    ],
+    "08_graph_slam": [
+        ("nothing, as in the paper", "score", ".2f"),
+        ("a better one: one by one, smallest maximum", "score", ".2f"),
     ],
     "10_experiments": [(name, "score", ".2f") for name in ("nothing", "the reference", "a better detector")],
     "12_beyond": [

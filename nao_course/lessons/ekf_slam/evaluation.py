@@ -30,10 +30,11 @@ FACTORS = (1.0, 3.0, 10.0)
 DRIVES = 5
 _LARGER = "A larger S makes the NIS smaller."
 NIS_REMARKS = {  # by typical predictions of the mean NIS with standard deviations that are ten times too large
-    1200.0: _LARGER,
-    120.0: _LARGER,
+    **dict.fromkeys((1200.0, 200.0, 120.0, 60.0, 20.0), _LARGER),
     12.0: "S grows, but the innovations hardly change.",
-    1.2: "S contains variances, and a tenfold standard deviation is a hundredfold variance.",
+    **dict.fromkeys(
+        (1.2, 0.5), "S contains variances, and a tenfold standard deviation is a hundredfold variance."
+    ),
 }
 SMALLEST, LARGEST = 0.6, 1.8  # factors of the standard deviations of turns and bearings
 

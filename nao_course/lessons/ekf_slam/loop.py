@@ -35,6 +35,11 @@ VIEW = FieldOfView(float(np.radians(45)), 1.2)  # rad to each side, m
 EARLY = 0  # number of the landmark that the last picture shows
 LOOP_REMARKS = {  # by typical predictions of the last landmark's standard deviation after the update, cm
     56.0: "The picture corrects the pose, and the last landmark shares the error of the pose.",
+    **dict.fromkeys(
+        (60.0, 100.0, 200.0),
+        "An update never increases a variance, not even for landmarks outside the picture.",
+    ),
+    0.5: "The noise of the picture and the error between both landmarks remain.",
     5.0: "Landmark 1 is that accurate, but the picture's own noise and the error between both landmarks remain.",
 }
 BEFORE, AFTER, ROBOT = STYLES["odometry"].colour, STYLES["ekf"].colour, "#c2409c"

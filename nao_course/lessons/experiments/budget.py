@@ -127,7 +127,7 @@ def _bearings_and_ranges(points: FloatArray) -> FloatArray:
 def draw_range_budget(
     measurement_covariance: Function, pixel_sigma: float, tilt_sigma: float = TILT
 ) -> Drawing:
-    """Draw the range error due to pixels and due to tilt at each distance, by lesson 04's covariance."""
+    """Draw the range error due to pixels, a tilt, and twice the tilt at each distance, by lesson 04's covariance."""
     pixel_sigma = made(pixel_sigma)
     view = usual_scene().view
     distances = np.linspace(0.8, 5.0, 43)
@@ -145,10 +145,15 @@ def draw_range_budget(
         )
         at = [float(np.interp(d, distances, sigmas)) for d in (1.0, 2.0, 4.0)]
         words.append(f"{name}: {at[0]:.2f} m at 1 m, {at[1]:.2f} m at 2 m, {at[2]:.2f} m at 4 m")
+    twice = _say_source("tilt", pixel_sigma, 2 * tilt_sigma)
+    ax.plot(distances, 2 * np.array(parts["tilt"]), "--", color=_COLOURS["tilt"], label=twice)
     ax.axhspan(0.1, 0.3, color="#e3e5e8", lw=0, zorder=0, label="10 - 30 cm, as in the paper")
     ax.set(xlabel="distance over the ground (m)", ylabel="sigma of the range (m)", ylim=(0, None))
     legend_below(figure, ax.get_legend_handles_labels()[0])
-    return Drawing(figure, f"Standard deviation of a range due to each source. {'; '.join(words)}.")
+    return Drawing(
+        figure,
+        f"Standard deviation of a range due to each source. {'; '.join(words)}; {twice}: twice as much.",
+    )
 
 
 def _range_sigma(covariance: Function, pixel: FloatArray, view: CameraView, *sigmas: float) -> float:

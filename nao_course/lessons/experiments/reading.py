@@ -198,21 +198,34 @@ def draw_sizes() -> Drawing:
             best = means[SETTINGS.index(BEST)]
             across = at + shift + np.linspace(-0.15, 0.15, len(means))
             ax.plot(across, np.sort(means), "o", color=colour, alpha=0.45, ms=4)
-            ax.plot(across[np.sort(means).searchsorted(best)], best, "o", color=colour, ms=10, mec="black")
-            words.append(f"{size}, {name}: {best:.2f}, all from {means.min():.2f} to {means.max():.2f}")
+            place = across[np.sort(means).searchsorted(best)]
+            low, high = recorded()[f"{size}, {name}"]["the paper's best, 95 %"]
+            ax.plot([place, place], [low, high], color="black", lw=1.5)
+            ax.plot(place, best, "o", color=colour, ms=10, mec="black")
+            words.append(
+                f"{size}, {name}: {best:.2f}, 95 % from {low:.2f} to {high:.2f}, all from {means.min():.2f} to "
+                f"{means.max():.2f}"
+            )
     nothing = recorded()["320 x 240, the same pixels"]["nothing"]
     ax.axhline(nothing, color=GREY, ls=":", lw=1.8)
     ax.text(2.48, nothing * 1.04, "nothing", color=GREY, fontsize=10, ha="right")
     ax.set_xticks(range(len(SIZES)), list(SIZES))
     ax.set_yscale("log")
-    ax.set_yticks([1, 2, 4, 8], ["1", "2", "4", "8"])
+    ax.set_yticks(ticks := [0.8, 1, 1.5, 2, 3, 4, 6, 9], [str(each) for each in ticks])
     ax.minorticks_off()
-    ax.set(xlabel="size of the pictures (px)", ylabel="mean cost", xlim=(-0.5, 2.5))
+    ax.set(xlabel="size of the pictures (px)", ylabel="mean cost (logarithmic)", xlim=(-0.5, 2.5))
     keys = [
-        Line2D([], [], ls="", marker="o", ms=5, color=NOTHING, label="27 settings, same values in px"),
-        Line2D([], [], ls="", marker="o", ms=5, color=OURS, label="values proportional to the size"),
+        Line2D([], [], ls="", marker="o", ms=5, color=NOTHING, label="27 settings, same px"),
+        Line2D([], [], ls="", marker="o", ms=5, color=OURS, label="proportional to the size"),
         Line2D(
-            [], [], ls="", marker="o", ms=10, color="white", mec="black", label="the paper's best, 120, 5, 40"
+            [],
+            [],
+            ls="",
+            marker="o",
+            ms=10,
+            color="white",
+            mec="black",
+            label="the paper's 120, 5, 40, with 95 %",
         ),
     ]
     legend_below(figure, keys)

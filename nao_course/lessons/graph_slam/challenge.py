@@ -1,7 +1,8 @@
-"""The challenge of lesson 08: choose the additional measurement that improves the graph most."""
+"""The challenge of lesson 08: choose three additional measurements that improve the graph's worst variable."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from nao_course.plotting.style import GREY
 
 GRAPHS = 40
 POSES, LANDMARKS, CANDIDATES = 40, 14, 60
+MOST = 3  # measurements: one after the other is not the best choice of three
 START_WEIGHT = 1e4  # 1/m^2: the start is known to a centimetre
 MOTION_EPSILON = 0.02  # m^2 a step
 MEASUREMENT_EPSILON = (0.01, 0.08)  # m^2, from the best to the worst measurement
@@ -26,7 +28,7 @@ Candidate = tuple[int, int, float]
 
 @dataclass(frozen=True, eq=False)
 class Choices:
-    """A graph on one axis, and candidates for one more measurement.
+    """A graph on one axis, and candidates for more measurements.
 
     Omega (N, N) in 1/m^2 has poses first, then landmarks; xi (N,) is in 1/m, and the covariance (N, N) in m^2 is
     omega's inverse. The start has a standard deviation of 1 cm. Each candidate is (pose, landmark, variance epsilon in
@@ -38,23 +40,14 @@ class Choices:
     candidates: list[Candidate]
     covariance: FloatArray
 
-    def gains(self) -> FloatArray:
-        """Return how much each candidate would reduce the sum of all variances, in m^2: (C,)."""
-        # The inverse after one more row, by Sherman and Morrison, 1950.
-        pose, landmark, epsilon = np.array(self.candidates).T
-        row = self.covariance[:, landmark.astype(int)] - self.covariance[:, pose.astype(int)]
-        every = np.arange(len(self.candidates))
-        spread = row[landmark.astype(int), every] - row[pose.astype(int), every]
-        return np.asarray((row**2).sum(axis=0) / (epsilon + spread))
-
-    def worst_after(self, chosen: int | None) -> float:
-        """Return the largest standard deviation of a variable in m, now or after a candidate was measured."""
-        covariance = self.covariance
-        if chosen is not None:
-            pose, landmark, epsilon = self.candidates[chosen]
-            row = covariance[:, landmark] - covariance[:, pose]
-            covariance = covariance - np.outer(row, row) / (epsilon + row[landmark] - row[pose])
-        return float(np.sqrt(np.diag(covariance).max()))
+    def worst_after(self, chosen: Sequence[int]) -> float:
+        """Return the largest standard deviation of a variable in m after some candidates were measured."""
+        pose, landmark, epsilon = np.array([self.candidates[each] for each in chosen]).reshape(-1, 3).T
+        rows = self.covariance[:, landmark.astype(int)] - self.covariance[:, pose.astype(int)]
+        spread = rows[landmark.astype(int)] - rows[pose.astype(int)] + np.diag(epsilon)
+        return float(
+            np.sqrt((np.diag(self.covariance) - (rows * np.linalg.solve(spread, rows.T).T).sum(axis=1)).max())
+        )
 
 
 def make_graph(seed: int) -> Choices:
@@ -95,57 +88,65 @@ def _candidates(position: FloatArray, places: FloatArray, rng: np.random.Generat
 
 
 def judge(answer: Any, graph: Choices) -> CaseScore:
-    """Score a choice: its reduction of the sum of the variances, divided by the reduction by the best candidate."""
+    """Score a choice of at most three candidates: the largest standard deviation that is left, in m."""
     count = len(graph.candidates)
     if answer is None:
-        raise TypeError(f"Your choice is None: return the index of a candidate, from 0 to {count - 1}.")
-    number = np.asarray(answer)
-    if number.shape != () or number.dtype.kind not in "iu":
+        raise TypeError(f"Your choice is None: return a list of at most {MOST} indices of candidates.")
+    numbers = np.asarray(answer if np.size(answer) else np.zeros(0, int))
+    if numbers.ndim != 1 or numbers.dtype.kind not in "iu":
         raise TypeError(
-            f"A choice is the index of a candidate, a whole number from 0 to {count - 1}; got {type(answer).__name__}."
+            f"A choice is a list of whole numbers from 0 to {count - 1}, the indices of candidates; got "
+            f"{type(answer).__name__}."
         )
-    chosen = int(number)
-    if not -1 <= chosen < count:
-        raise ValueError(f"There are {count} candidates, 0 to {count - 1}, and -1 for none; got {chosen}.")
-    gains = graph.gains()
-    score = float(gains[chosen] / gains.max()) if chosen >= 0 else 0.0
-    rank = float((gains > gains[chosen]).sum()) if chosen >= 0 else float(count)
-    columns = {"better candidates": rank, "worst sigma": graph.worst_after(chosen if chosen >= 0 else None)}
-    return CaseScore(score, columns, (gains / gains.max(), chosen))
+    chosen = [int(each) for each in numbers[: MOST + 1]]
+    if len(chosen) > MOST or len(set(chosen)) < len(chosen):
+        raise ValueError(f"Choose at most {MOST} different candidates; got {len(numbers)}: {chosen}.")
+    if not all(0 <= each < count for each in chosen):
+        raise ValueError(f"There are {count} candidates, 0 to {count - 1}; got {chosen}.")
+    now, left = graph.worst_after([]), graph.worst_after(chosen)
+    return CaseScore(left, {"measurements": float(len(chosen))}, (now, left))
 
 
 @course_style()
 def draw_choices(run: Run) -> Drawing:
-    """Draw the scores of all candidates and of the chosen candidate, for each graph."""
-    kept = [(number, each.kept) for number, each in enumerate(run.results, start=1) if each.kept]
+    """Draw the largest standard deviation of each graph without and with the chosen measurements."""
+    kept = [(number, *each.kept) for number, each in enumerate(run.results, start=1) if each.kept]
     figure = Figure(figsize=(9.6, 4.0))
     ax = figure.add_subplot()
-    for number, (gains, chosen) in kept:
-        ax.plot(np.full(len(gains), number), gains, ".", color=GREY, ms=3, alpha=0.5)
-        score = gains[chosen] if chosen >= 0 else 0.0
-        ax.plot(number, score, STYLES["graph"].marker, color=STYLES["graph"].colour, ms=7, mec="white")
-    ax.set(xlabel="graph", ylabel="fraction of the best", ylim=(-0.03, 1.05), xlim=(0, len(run.results) + 1))
-    ax.set_title("chosen (diamonds), and all other candidates (dots)", fontsize=11)
-    best = sum(chosen >= 0 and bool(gains[chosen] == 1.0) for _, (gains, chosen) in kept)
+    for number, now, left in kept:
+        ax.plot([number, number], [now, left], color=GREY, lw=1)
+        ax.plot(number, now, ".", color=GREY, ms=7)
+        ax.plot(number, left, STYLES["graph"].marker, color=STYLES["graph"].colour, ms=7, mec="white")
+    ax.set(
+        xlabel="graph",
+        ylabel="largest standard deviation (m)",
+        ylim=(0, None),
+        xlim=(0, len(run.results) + 1),
+    )
+    ax.set_title("with your measurements (diamonds), and without them (dots)", fontsize=11)
+    now, left = np.array([each[1:] for each in kept]).mean(axis=0)
     return Drawing(
-        figure, f"The chosen candidates in {len(kept)} graphs: the best candidate in {best} of them."
+        figure,
+        f"Largest standard deviations of {len(kept)} graphs: {now:.2f} m without and {left:.2f} m with the choices.",
     )
 
 
 CHALLENGE = Challenge(
     lesson="08_graph_slam",
-    title="Challenge 08: the most useful measurement",
-    task=f"In each of {GRAPHS} graphs one more measurement can be made. Write a function of (omega, xi, candidates), "
-    "where each candidate is (pose, landmark, epsilon); return the index of the one to make, or -1 for none.",
-    scoring="by how much the sum of the variances of all positions falls, as a fraction of what the best candidate "
-    "achieves; the mean over all graphs.",
+    title="Challenge 08: the most useful measurements",
+    task=f"In each of {GRAPHS} graphs you may add three measurements. Write a function of (omega, xi, candidates), "
+    "where each candidate is (pose, landmark, epsilon); return a list of the indices of your choices.",
+    scoring="the largest standard deviation of all variables, with your measurements; the mean over all graphs.",
     seeds=range(1, GRAPHS + 1),
     make=make_graph,
     given=lambda graph: (graph.omega, graph.xi, graph.candidates),
     judge=judge,
     figure=draw_choices,
-    columns=(Column("better candidates", digits=1), Column("worst sigma", " m")),
+    columns=(Column("measurements", digits=1),),
     rows=recorded_rows(Path(__file__).with_suffix(".json")),
+    nothing=3.0,
+    higher_is_better=False,
+    unit=" m",
     case="graph",
     name_of=lambda seed: f"graph {seed}",
 )

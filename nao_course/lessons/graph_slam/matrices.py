@@ -135,6 +135,13 @@ def draw_fill_in(omega: npt.ArrayLike, poses: int) -> Drawing:
     )
 
 
+_PARTLY = "A pose links the landmarks that were measured from it, and the motions link the poses."
+FILLED_REMARKS = {  # by typical predictions of the percentage of the landmarks' block
+    10.0: "These are the entries before. Removing a pose links all landmarks that were measured from it.",
+    **dict.fromkeys((20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 75.0), _PARTLY),
+}
+
+
 @course_style()
 def draw_marginalised(omega: npt.ArrayLike, poses: int, kept: npt.ArrayLike) -> Drawing:
     """Draw an information matrix of poses and landmarks, and the matrix of the landmarks alone.

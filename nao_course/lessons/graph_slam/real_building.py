@@ -61,7 +61,7 @@ def draw_real_building(solve_sparse: Function) -> Drawing:
         off = np.sqrt(np.mean(np.sum(np.square(found - good[:, :2]), axis=1)))
         style = style_of(source)
         ax.plot(*found.T, "-", color=style.colour, lw=0.8, marker=".", ms=1.8)
-        ax.set(xlabel="x (m)", ylabel="y (m)", title=style.label)
+        ax.set(xlabel="x (m)", ylabel="y (m)", title=f"{style.label}: {off:.1f} m")
         ax.set_aspect("equal", adjustable="box")
         said.append(f"the {source} differs from it by {off:.1f} m")
     return Drawing(

@@ -17,8 +17,8 @@ NONE = np.zeros((0, 2))
 
 
 def test_the_cost_is_the_mean_and_a_quarter_of_the_width_of_a_right_interval_and_no_claim_is_refused():
-    scored = judge(([[(50, 90)], NONE], -1.0, 1.0), ROOM)
-    assert scored.columns["mean cost"] == pytest.approx((-1.333 + 1) / 2)
+    scored = judge(([[(50, 90)], NONE], 1.0, 3.0), ROOM)
+    assert scored.columns["mean cost"] == pytest.approx((-1.333 + 5) / 2)
     assert scored.score == pytest.approx(scored.columns["mean cost"] + 0.5)
     assert scored.columns["inside"] == 100.0 and scored.columns["false"] == 0.0
     for answer in ([NONE, NONE], ([NONE], 0.0, 1.0), ([NONE, NONE], 1.0, 0.0), ([NONE, 3], 0, 1)):
@@ -28,8 +28,8 @@ def test_the_cost_is_the_mean_and_a_quarter_of_the_width_of_a_right_interval_and
 
 def test_a_wrong_interval_costs_ten_times_its_distance_and_none_costs_less_than_that_of_80_percent(rng):
     assert interval_score(0.0, 1.0, 1.5) == interval_score(0.0, 1.0, -0.5) == pytest.approx(6.0)
-    scored = judge(([NONE, NONE], 2.0, 3.0), ROOM)
-    assert scored.columns["mean cost"] == 1.0 and scored.score == pytest.approx(1.0 + (1.0 + 10.0) / 4)
+    scored = judge(([NONE, NONE], 6.0, 7.0), ROOM)
+    assert scored.columns["mean cost"] == 5.0 and scored.score == pytest.approx(5.0 + (1.0 + 10.0) / 4)
     values = rng.normal(0, 1, 4000)
     means = [np.mean([interval_score(-half, half, value) for value in values]) for half in (1.28, 0.9, 1.8)]
     assert min(means) == means[0]

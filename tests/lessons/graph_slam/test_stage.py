@@ -1,10 +1,11 @@
 """Lesson 08's challenge, and what it adds to the robot: a map of the drive, by two linear graphs."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from benchmarks.challenges.measurement_choice import CHOICE_ENTRIES
-from nao_course.challenges.running import run
 from nao_course.geometry import Pose
 from nao_course.lessons.graph_slam.challenge import CHALLENGE, judge, make_graph
 from nao_course.lessons.graph_slam.stage import STAGE
@@ -17,31 +18,32 @@ GRAPH = make_graph(3)
 
 
 def after(graph, chosen):
-    pose, landmark, epsilon = graph.candidates[chosen]
-    row = np.zeros(len(graph.xi))
-    row[pose], row[landmark] = -1.0, 1.0
-    return np.linalg.inv(graph.omega + np.outer(row, row) / epsilon)
+    omega = graph.omega.copy()
+    for pose, landmark, epsilon in (graph.candidates[each] for each in chosen):
+        row = np.zeros(len(graph.xi))
+        row[pose], row[landmark] = -1.0, 1.0
+        omega += np.outer(row, row) / epsilon
+    return np.linalg.inv(omega)
 
 
-def test_a_candidates_gain_is_the_fall_of_the_sum_of_variances_and_the_best_choice_scores_one():
-    before = np.trace(np.linalg.inv(GRAPH.omega))
-    gains = [before - np.trace(after(GRAPH, chosen)) for chosen in range(len(GRAPH.candidates))]
-    assert GRAPH.gains() == pytest.approx(np.array(gains))
-    assert GRAPH.worst_after(7) == pytest.approx(np.sqrt(np.diag(after(GRAPH, 7)).max()))
-    best = int(np.argmax(GRAPH.gains()))
-    assert judge(best, GRAPH).score == judge(np.int64(best), GRAPH).score == 1.0
-    none = judge(-1, GRAPH)
-    assert none.score == 0.0 and none.columns["better candidates"] == len(GRAPH.candidates)
+def test_the_score_is_the_largest_standard_deviation_that_is_left():
+    for chosen in ([], [7], [7, 1, 30]):
+        assert judge(chosen, GRAPH).score == pytest.approx(np.sqrt(np.diag(after(GRAPH, chosen)).max()))
+    assert judge(np.array([7, 1]), GRAPH).columns["measurements"] == 2.0
 
 
-def test_graphs_differ_and_can_be_made_again_and_rules_by_one_quantity_fail():
+def test_graphs_differ_and_can_be_made_again_and_three_one_after_the_other_are_not_the_best_three():
     graphs = [make_graph(seed) for seed in CHALLENGE.seeds]
     assert len({graph.omega.tobytes() for graph in graphs}) == len(graphs) == 40
     assert all(np.linalg.eigvalsh(graph.omega)[0] > 0 for graph in graphs)
     assert (make_graph(3).omega == GRAPH.omega).all() and make_graph(3).candidates == GRAPH.candidates
-    *naive, best = (run(CHALLENGE, entry) for entry in CHOICE_ENTRIES.values())
-    assert max(each.score for each in naive) < 0.5 and best.score == pytest.approx(1.0)
-    assert "the best candidate in 40 of them" in CHALLENGE.figure(best).alt
+    better = list(CHOICE_ENTRIES.values())[-1]
+    pairs = [
+        (number, graph.worst_after(better(graph.omega, graph.xi, graph.candidates)))
+        for number, graph in enumerate(graphs[:3])
+    ]
+    triples = list(combinations(range(60), 3))
+    assert any(min(map(graphs[n].worst_after, triples[::7])) < left - 0.01 for n, left in pairs)
 
 
 START, MARKS = Pose(0.4, 0.3, -0.2), [each for each in SimulatedNao().field.landmarks if each.kind != "cross"]
