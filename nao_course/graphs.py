@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 import scipy.sparse.linalg
+import scipy.special
 
 from nao_course._internal.lazy_names import list_public
 from nao_course.codec import register
@@ -23,6 +24,10 @@ POSE, LANDMARK = 0, 1
 
 # Options of `scipy.sparse.linalg.splu` for a symmetric, positive definite matrix, which needs no pivoting.
 SYMMETRIC = {"diag_pivot_thresh": 0.0, "relax": 1, "panel_size": 1, "options": {"SymmetricMode": True}}
+
+# chi2 per degree of freedom that may come from wrong matrices: below LEAST_FIT or above its inverse, and not by chance.
+LEAST_FIT = 0.25
+LEAST_CHANCE = 1e-6
 
 IntArray = npt.NDArray[np.int64]
 Residual = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
@@ -141,11 +146,46 @@ class Graph:
     def degrees_of_freedom(self) -> int:
         """Number of measured values minus the number of free states, which are all states but the first pose's.
 
-        If the information matrices are right, the smallest chi2 divided by this number is near 1. If the quotient is
-        far from 1, a file may contain covariances, or square roots of information matrices, in their place.
+        If the information matrices are right, the smallest chi2 divided by this number is near 1; `chi2_hint` says what
+        may be wrong if it is not.
         """
         measured = 3 * len(self.pose_edges.z) + 2 * len(self.landmark_edges.z)
         return measured - max(self.size - 3, 0)
+
+    def chi2_hint(self, chi2: float) -> str:
+        """Return what may be wrong with a graph whose smallest chi2 does not fit its degrees of freedom.
+
+        Parameters
+        ----------
+        chi2 : float
+            Sum of the squared errors at the optimum.
+
+        Returns
+        -------
+        str
+            A sentence if chi2 per degree of freedom is less than 1/4 or more than 4, and such a value has a
+            probability of at most one in a million. Otherwise an empty text.
+
+        Examples
+        --------
+        >>> graph = Graph([[0, 1]] * 51, np.zeros((51, 3)), [np.eye(3)] * 51, [POSE, POSE])
+        >>> graph.degrees_of_freedom, graph.chi2_hint(150.0), graph.chi2_hint(15.0)[:66]
+        (150, '', 'chi2 is 0.1 per degree of freedom, but about 1 is expected. Are th')
+        """
+        freedom = self.degrees_of_freedom
+        if freedom <= 0 or chi2 <= 0:
+            return ""
+        quotient = chi2 / freedom
+        chance = min(scipy.special.chdtr(freedom, chi2), scipy.special.chdtrc(freedom, chi2))
+        if LEAST_FIT <= quotient <= 1 / LEAST_FIT or chance > LEAST_CHANCE:
+            return ""
+        factor = max(quotient, 1 / quotient) ** 0.5
+        others = "" if quotient < 1 else ", some edges are false, or this is not the optimum"
+        return (
+            f"chi2 is {quotient:.2g} per degree of freedom, but about 1 is expected. Are the matrices covariances, or "
+            "square roots of information matrices, in place of information matrices? If not, the standard deviations "
+            f"are about {factor:.2g} times too {'large' if quotient < 1 else 'small'}{others}."
+        )
 
     # --- values ---
 

@@ -1,5 +1,7 @@
 """A graph says what it is made of, adds its edges' blocks up as scipy does, and knows an order that keeps H sparse."""
 
+import re
+
 import numpy as np
 import pytest
 import scipy.sparse
@@ -122,3 +124,26 @@ def test_a_factor_in_this_order_is_far_smaller_than_as_numbered():
         return int(scipy.sparse.linalg.splu(H[order][:, order], "NATURAL", **options).L.nnz)
 
     assert entries(graph.elimination_order) < 0.6 * entries(np.arange(3, graph.size))
+
+
+@pytest.mark.parametrize(
+    ("chi2", "edges", "hint"),
+    [
+        (300.0, 101, ""),  # 300 degrees of freedom
+        (76.0, 101, ""),
+        (1190.0, 101, ""),
+        (3.0, 101, "chi2 is 0.01 per degree of freedom, .* about 10 times too large.$"),
+        (
+            30000.0,
+            101,
+            "chi2 is 1e[+]02 per degree .* covariances, or square .* 10 times too small, some edges are false",
+        ),
+        (20.0, 2, ""),  # 3 degrees of freedom: chance
+        (9.0, 1, ""),  # none
+        (0.0, 101, ""),  # no errors at all
+    ],
+)
+def test_a_chi2_far_from_the_degrees_of_freedom_is_hinted_at_unless_it_is_chance(chi2, edges, hint):
+    unit = np.broadcast_to(np.eye(3), (edges, 3, 3))
+    graph = Graph([[0, 1]] * edges, np.zeros((edges, 3)), unit, [POSE, POSE])
+    assert re.match(hint + "$" * (not hint), graph.chi2_hint(chi2))

@@ -326,6 +326,7 @@ def test_the_optimum_per_degree_of_freedom_is_in_the_documents(data_dir, name):
     [[*_, optimum, quotient]] = rows_of_documents(f"| `{name}.g2o` |")
     graph, _ = read_g2o(data_dir / "slam" / "g2o" / f"{name}.g2o")
     assert float(quotient) == pytest.approx(float(optimum) / graph.degrees_of_freedom, rel=0.03)
+    assert graph.chi2_hint(float(optimum))
 
 
 def test_the_degrees_of_freedom_are_measured_minus_free_values_and_units_make_no_matrix_singular(tmp_path):

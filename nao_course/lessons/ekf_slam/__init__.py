@@ -25,6 +25,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "noise": ("joint_noise",),
         "panel": ("FilmPanel",),
         "real_walk": ("draw_real_map",),
+        "recorded_log": ("draw_mrclam",),
         "starts": ("draw_starts",),
     },
 )

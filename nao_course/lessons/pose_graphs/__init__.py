@@ -20,6 +20,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "measured": ("draw_ekf_and_graph", "draw_solver_costs"),
         "panels": ("EdgePanel", "RelaxPanel"),
         "robust": ("draw_false_closures", "robust_gauss_newton"),
+        "scan_maps": ("draw_scans",),
         "sheet": ("landmark_sheet",),
         "uncertainty": ("draw_uncertainty",),
         "worlds": (
