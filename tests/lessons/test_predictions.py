@@ -72,6 +72,7 @@ WAITING = {
     "04": ("error_guess", "pixel_guess"),
     "05": ("break_guess",),
     "06": ("inside_guess",),
+    "07": ("nis_guess", "loop_guess"),
     "08": ("filled_guess", "turn_guess"),
     "10": ("promise_guess", "source_guess"),
     "12": ("ancestors_guess", "blind_guess"),
