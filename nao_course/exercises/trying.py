@@ -110,6 +110,9 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "shapes (2,) (3,)": f"Three numbers and two do not fit together: {_PLACE}",
     "Cannot convert expression to float": "A function for numbers was called with SymPy symbols: leave it out, or use "
     "SymPy's function of that name.",
+    **dict.fromkeys(
+        ("name 'pi' is not defined", "name 'π' is not defined"), "Python has no pi of its own: use np.pi."
+    ),
     "' is not defined": "Did the cell that defines that name run since the kernel started, and is the "
     "name spelt correctly? The grader runs your definitions, but not the demonstrations.",
     "depth() == CV_8U": "OpenCV needs a picture of bytes there: use .astype(np.uint8).",

@@ -143,6 +143,9 @@ def test_numpys_complaint_gets_one_piece_of_advice_that_fits():
             slip()
         (said,) = trying.advice_on(f"{type(caught.value).__name__}: {caught.value}")
         assert advice in said
+    for name in ("pi", "π"):
+        (said,) = trying.advice_on(f"NameError: name {name!r} is not defined; the function's arguments are a")
+        assert "np.pi" in said
     for line in ["clusters.remove(each)", "if point not in seen:", "if point in seen:"]:
         complaint = "ValueError: The truth value of an array with more than one element is ambiguous."
         assert "Build a new list" in trying.advice_on(complaint, line)[0]
