@@ -111,6 +111,9 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "shapes (2,) (3,)": f"Three numbers and two do not fit together: {_PLACE}",
     "Cannot convert expression to float": "A function for numbers was called with SymPy symbols: leave it out, or use "
     "SymPy's function of that name.",
+    **dict.fromkeys(
+        ("name 'pi' is not defined", "name 'π' is not defined"), "Python has no pi of its own: use np.pi."
+    ),
     "' is not defined": "Did the cell that defines that name run since the kernel started, and is the "
     "name spelt correctly? The grader runs your definitions, but not the demonstrations.",
     "depth() == CV_8U": "OpenCV needs a picture of bytes there: use .astype(np.uint8).",
@@ -142,8 +145,8 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "'tuple' object has no attribute": "That is a tuple: several values in one. Unpack it first, as in F, G = "
     "motion_jacobians(pose, control).",
     "has no attribute 'to_local'": "That line needs a Pose, not an array: Pose(*pose).",
-    "inhomogeneous shape": "The entries of your array have different shapes: print each .shape. In one matrix every "
-    "entry is one number: if pose is (3,), pose[2] is the heading and pose is all three numbers.",
+    "inhomogeneous shape": "The entries of your array have different shapes: print each of them. In one matrix every "
+    "entry is one number, such as v[2], not an array v and not None.",
     "loop of ufunc does not support argument 0 of type": "np.sin and similar functions need numbers, not "
     "symbols: use SymPy's sin, cos, sqrt and atan2.",
     "has no attribute 'arctan2'": "np.arctan2 needs numbers, not symbols: use SymPy's atan2.",
@@ -152,6 +155,7 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "SystemExit": "exit(), quit() and sys.exit() end Python, so there is no answer: leave a function with return.",
     "BdbQuit": "A debugger has nobody to talk to in a check: remove it.",
     "high <= 0": "rng.integers excludes its upper end: pass the size itself, not one less.",
+    "NoneType": "A value in that line is None, perhaps the result of a function that found nothing or has no return.",
 }
 _PARTS = {  # names that lessons give to the parts of an argument
     "pose": ("x, y, theta = pose", ("x", "y", "theta")),

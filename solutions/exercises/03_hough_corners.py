@@ -165,7 +165,7 @@ ERASE_BACKGROUND = Exercise(
     ],
     comparison=Exact(),
     hints=(
-        "Start with one column. Find the first row v where a long enough run of green begins, and set everything above it to 0. A run begins at v if labels[v : v + run, u] == 1 holds for all `run` pixels.",
+        "Go down one column and count its green pixels. Start the count again at any other pixel, and stop when it is `run`: which row is the first of this run? Everything above it must be 0.",
         "Without a loop over columns: let green be labels == 1. green[i:] is the picture moved up by i rows. A run of 3 begins where green, green moved up by 1 and green moved up by 2 are all True. Pad the bottom with rows of False, np.pad(green, ((0, run - 1), (0, 0))), so that all shifted copies have H rows. np.logical_or.accumulate(begins, axis=0) is True from the first True of each column downwards.",
     ),
     mistakes=catalogue("""
@@ -183,6 +183,8 @@ ERASE_BACKGROUND = Exercise(
             Your code has two errors. It erases down to the last pixel of the run, but the run began run - 1 rows higher. And a column without a run keeps its labels, but must be erased.
         cut off at the bottom: ((0, run), (0, 0)) => ((0, run), (0, 0)), constant_values=True
             You accept a short run at the bottom of a column. Near the last row, labels[v : v + run, u] has fewer than `run` pixels, and .all() tests only these. A run can begin in row H - run at the latest.
+        a search that returns -1: accumulate(begins) => accumulate(begins) | ~begins.any(axis=0) & (np.arange(height)[:, None] == height - 1)
+            A column without a run keeps its last pixel. A search such as str.find returns -1 there, and -1 is the index of the last pixel. Erase the whole column.
         cut off, and column left alone: ((0, run), (0, 0)) => ((0, run), (0, 0)), constant_values=True
             accumulate(begins) => accumulate(begins) | ~begins.any(axis=0)
             Your code has two errors. Near the last row, labels[v : v + run, u] has fewer than `run` pixels, but a run can begin in row H - run at the latest. And a column without a run keeps its labels, but must be erased.
@@ -601,7 +603,7 @@ SEGMENT_INTERSECTION = Exercise(
     comparison=Crossing(rtol=0.0, atol=1e-3),
     hints=(
         "Equation 3.3 gives t, the parameter along the first segment. The second segment has its own parameter s, with the same denominator. Compute the denominator first: its size is the product of both lengths and the sine of the angle between the segments, so it shows whether they are parallel.",
-        "A parameter runs from 0 to 1 along its segment. With reach more pixels at each end it runs from -reach / length to 1 + reach / length. The two segments have different lengths, and both conditions must hold.",
+        "The second segment is tested in the same way: s may be from -reach / length to 1 + reach / length, with the length of the second segment. Both conditions must hold.",
     ),
     mistakes=catalogue("""
         unbounded lines: if on_both else None =>
@@ -718,6 +720,8 @@ SEGMENT_INTERSECTION = Exercise(
             You test whether the crossing is in a box around each segment, widened by reach. Extend a slanted segment along its own direction instead, by reach pixels.
         whole pixels: p + t * d => np.round(p + t * d)
             Your point is rounded. Crossings lie between pixels, so keep the fractions.
+        fractions cut off: p + t * d => (p + t * d).astype(int)
+            You convert the point to integers, which removes the fractions. Crossings lie between pixels, so return floats.
         shape (1, 2): p + t * d => (p + t * d)[None]
             Your point has shape (1, 2). One point has shape (2,).
         angles near 360 degrees: across = d[0] * e[1] - d[1] * e[0] => across = d[0] * e[1] - d[1] * e[0]
@@ -856,6 +860,33 @@ REMOVE_DUPLICATES = Exercise(
             You always use 10 pixels. Use the argument radius.
         far from one of them: if all( => if not kept or any(
             You keep a point if it is far from any one of the kept points. It must be far from all of them.
+        kept for each far one: + rest = list(points[:1])
+            + for point in points[1:]:
+            +     for other in rest:
+            +         if np.hypot(*(point - other)) > radius:
+            +             rest.append(point)
+            + return np.array(rest).reshape(-1, 2)
+            You keep a point as soon as it is far from one kept point. It must be far from all of them: append it once, after the inner loop.
+        kept for each far one, from the first: + rest = [points[0]]
+            + for point in points[1:]:
+            +     for other in rest:
+            +         if np.hypot(*(point - other)) > radius:
+            +             rest.append(point)
+            + return np.array(rest).reshape(-1, 2)
+            Your code has two errors. It keeps a point as soon as it is far from one kept point, but it must be far from all of them: append it once, after the inner loop. And points[0] does not exist if there are no points.
+        deleted in the loop: + for i in range(len(points)):
+            +     for j in range(i + 1, len(points)):
+            +         if np.hypot(*(points[i] - points[j])) <= radius:
+            +             points = np.delete(points, j, axis=0)
+            + return points
+            You delete points while the loop still counts to the old length. Collect the kept points in a new list.
+        deleted in the loop, the number noted before it: + n = len(points)
+            + for i in range(n):
+            +     for j in range(i + 1, n):
+            +         if np.hypot(*(points[i] - points[j])) <= radius:
+            +             points = np.delete(points, j, axis=0)
+            + return points
+            You note the number of points before the loops, but np.delete makes the array shorter. Collect the kept points in a new list.
         along the wrong axis: if all(np.hypot(*(point - other)) > radius for other in kept): => if not kept or (np.linalg.norm(np.array(kept) - point, axis=0) > radius).all():
             np.linalg.norm needs axis=1 here. With axis=0 it adds up all rows, and you get one number for u and one for v instead of one distance for each point.
         squared distance: np.hypot(*(point - other)) => ((point - other) ** 2).sum()
@@ -1082,6 +1113,9 @@ FIND_CORNERS = Exercise(
             You return crossings that are more than 5 pixels beyond the end of a segment. Use segment_intersection with its default reach.
         None kept: [each for each in meetings if each is not None] => [(each[0], each[1]) for each in meetings]
             segment_intersection returns None for most pairs, and you use None as a point. Keep a result only if `point is not None`.
+        None in the array: np.array([each for each in meetings if each is not None]) => np.array(meetings)
+            ((points >= 0) & (points < labels.shape[::-1])).all(axis=1) => slice(None)
+            You make an array of points and None, which segment_intersection returns for two segments that do not meet. Append a point only `if point is not None`.
         None as a condition: each is not None => each
             segment_intersection returns a point or None, and an array of two numbers is neither true nor false. Write `if point is not None`.
         None asked: each is not None => each.any()
@@ -1347,6 +1381,11 @@ MERGE_EDGES = Exercise(
         as long as the first: min(0, along.min()) => 0
             max(length, along.max()) => length
             Your line is as long as the first segment. It must extend from the first end of the two to the last.
+        three at once: min(0, along.min()) => 0
+            max(length, along.max()) => length
+            if parallel and 1 => if parallel and (q[1] - q[0]) @ d > 0 and 1
+            and along.max() >= 0 and along.min() <= length =>
+            Your code has three errors. Your line is as long as the first segment, but it must extend from the first end of the two to the last. You miss second edges that run the other way: use the absolute value of the cosine. And you join segments that do not overlap along the line.
         not parallel: parallel and 1 => 1
             You join segments at any angle. The two edges of a line are less than 10 degrees apart.
         direction not of length one: d = (end - p) / length => d = end - p
@@ -1418,7 +1457,7 @@ PLAN = LessonPlan(
     questions=[
         Question(
             "why_two_edges",
-            "Canny marks the edges of one white line that is well in view. At least how many segments does HoughLinesP find along this line?",
+            "Canny marks the edges of one white line that is well in view. At least how many segments does the Hough transform find along this line?",
             {
                 "One, along the centre of the line.": "There is no edge along the centre, because all pixels inside the line are alike. Canny marks the border between white and green.",
                 "Two, one along each side.": "White begins at one side and ends at the other, and both are edges. A corner of two lines can therefore have four crossings, about a line's width apart.",

@@ -127,7 +127,8 @@ def test_numpys_complaint_gets_one_piece_of_advice_that_fits():
         (lambda: np.zeros(3)[np.array([0.5])], "Indices must be whole numbers"),
         (lambda: np.ones(2) >= 1.0 & np.ones(2), "put each comparison in brackets"),
         (lambda: np.ones(2).__setitem__([True, False], np.zeros(2)), "write values[mask] there, too"),
-        (lambda: np.array([[1, np.zeros(3)], [0, 1]]), "pose[2] is the heading"),
+        (lambda: np.array([[1, np.zeros(3)], [0, 1]]), "one number, such as v[2]"),
+        (lambda: None - 1.0, "is None, perhaps the result"),
         (lambda: (lambda: 0).shape, "a function, not an array"),
         (lambda: 1.5 ^ 2, "A power is written **"),
         (lambda: (np.ones(2),).__getitem__((..., 0)), "Unpack it first"),
@@ -142,6 +143,9 @@ def test_numpys_complaint_gets_one_piece_of_advice_that_fits():
             slip()
         (said,) = trying.advice_on(f"{type(caught.value).__name__}: {caught.value}")
         assert advice in said
+    for name in ("pi", "π"):
+        (said,) = trying.advice_on(f"NameError: name {name!r} is not defined; the function's arguments are a")
+        assert "np.pi" in said
     for line in ["clusters.remove(each)", "if point not in seen:", "if point in seen:"]:
         complaint = "ValueError: The truth value of an array with more than one element is ambiguous."
         assert "Build a new list" in trying.advice_on(complaint, line)[0]

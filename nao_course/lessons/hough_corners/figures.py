@@ -202,6 +202,7 @@ def draw_votes(line_picture: npt.ArrayLike, around: tuple[float, float]) -> Draw
             ax.axline(point + around, point + around + (np.cos(tilt), np.sin(tilt)), color=colour, lw=0.8)
     plot_found(rings, plane, size=13)
     plane.set(xlabel="angle of the line's normal (degrees)", ylabel="distance from the centre (px)")
+    plane.invert_yaxis()  # positive distances are at the top
     counts = [int(votes[distance + far, angle]) for angle, distance in rings]
     plane.set_title(f"votes: {counts[0]} and {counts[1]} in the rings", fontsize=11)
     said = [

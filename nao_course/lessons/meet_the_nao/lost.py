@@ -28,7 +28,7 @@ SEED = 3
 POSSIBLE = 500_000  # poses at the start, anywhere on the field
 DRAWN = 500  # poses that are drawn in one map
 WALK = 1.0  # m before each turn
-_LENS = (0.07, 0.12, 0.5, 0.42)  # left, bottom, width, height, as fractions of the last map
+_LENS = (0.07, 0.12, 0.42, 0.345)  # left, bottom, width, height, as fractions of the last map
 _TITLES = ("Lost", "One picture", "After a walk and a turn", "Found")
 
 
@@ -173,7 +173,7 @@ def _draw_close(ax: Axes, found: Search) -> None:
     lens.spines[:].set(visible=True, color=GREY)
     plot_pose(found.poses[-1], lens, length=0.12)
     _plot_possible(found.possible[-1], lens, 0.08, order=7)
-    lens.set_title("close up, 0.4 m wide", fontsize=9, loc="center", fontweight="normal", pad=3)
+    lens.text(0.5, 0.97, "0.4 m wide", transform=lens.transAxes, ha="center", va="top", fontsize=9)
 
 
 def _left(found: Search, number: int) -> str:

@@ -113,6 +113,19 @@ def test_the_scores_of_orders_that_lesson_00_states():
     assert GATES[7].poles[0, 1] - (y + (GATES[7].x - x) / dx * dy) == pytest.approx(0.02, abs=0.005)
 
 
+def test_what_lesson_00_says_of_its_plan_and_of_the_reference():
+    """Whoever misses gate 2 passes beside it; with the reference, a robot may pass it on its way to gate 3."""
+    plan = [Motion(0.0, np.radians(26.6)), Motion(0.67, np.radians(-67.2)), Motion(1.3, 0.0)]
+    ends = np.array([robot.drive(plan)[-2:, :2] for robot in CHALLENGE.seeds])
+    off = np.hypot(*(ends[:, 1] - without_errors(plan)[-1, :2]).T)
+    assert off.mean() == pytest.approx(0.18, abs=0.005)
+    through = [passed(end)[1] for end in ends]
+    assert sum(through) == 18 and (ends[:, 1, 0] > GATES[1].x).all()
+    paths = [robot.drive(SLALOM_ENTRIES["the reference"])[:, :2] for robot in CHALLENGE.seeds]
+    assert np.sum([passed(path) for path in paths], axis=0)[[0, 1, 2, 7]].tolist() == [20, 20, 13, 3]
+    assert sum(not passed(path[:4])[1] for path in paths) >= 10  # not before the turn in gate 2
+
+
 @pytest.mark.slow
 def test_no_order_through_the_centres_is_better_than_the_one_that_lesson_00_names():
     """All orders with forty robots each, and the sixty best of them with 4000."""
