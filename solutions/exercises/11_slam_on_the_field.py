@@ -451,6 +451,8 @@ JOINT_DISTANCE = Exercise(
             You return the squared distance. Take its root, because a gate is in standard deviations.
         bearings not wrapped: warp2pi(innovation[::2]) => innovation[::2]
             For a landmark straight behind the robot your bearing innovation is off by a full turn. Wrap it.
+        range before bearing: - expected_measurement(state[:3], state[columns]) => - expected_measurement(state[:3], state[columns])[::-1]
+            You exchange bearing and range of the expected measurement. expected_measurement returns (bearing, range).
         range wrapped, too: innovation[::2] = warp2pi(innovation[::2]) => innovation = warp2pi(innovation)
             You also wrap the innovation of the range. A range is not an angle, so wrap only the bearings, innovation[::2].
         the noise alone: S = H @ covariance @ H.T + => S =
@@ -1445,9 +1447,9 @@ GRAPH_SLAM = Exercise(
             values, R, strict => seen.values[used], [seen.part([n]).covariance for n in used], strict
             Two errors: turn the odometry noise by -motion.turn, because pose_residual works in the new pose's frame, and use values and covariances from seen.part(used).decorrelated(ranges) in place of the measurements and plain blocks of R.
         heading of None: here and self.front.heading is not None => here
-            You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None.
+            If the error names NoneType, you compute with a heading of None: add an edge only if the filter's heading is not None. If it says "cannot unpack", you use linearised_at, whose values are one array (2m,): decorrelated returns values (k, 2) and covariances (k, 2, 2).
         heading of None at every stop: if here and self.front.heading is not None => if True
-            You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None. Not every stop has a compass.
+            If the error names NoneType, you compute with a heading of None, because not every stop has a compass. If it says "cannot unpack", you use linearised_at, whose values are one array (2m,): decorrelated returns values (k, 2) and covariances (k, 2, 2).
         -1 kept: self.front.indices >= 0) => self.front.indices >= -1)
             You also add edges for measurements whose number is -1. Leave them out: they have no landmark.
         k counts all measurements: seen.part(used).decorrelated(np.hypot(*(places - self.front.state[:2]).T)) => [each[used] for each in seen.decorrelated(np.hypot(*(self.front.state[3:].reshape(-1, 2)[self.front.indices] - self.front.state[:2]).T))]
