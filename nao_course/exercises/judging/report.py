@@ -353,5 +353,5 @@ def same_answer(exercise: Exercise | PublicExercise, answer: Any, outcome: Outco
     if is_unstable(answer):
         return same_answer(exercise, answer["unstable"], outcome)
     if isinstance(answer, dict) and set(answer) == {"raises"}:
-        return outcome.status != "value" and outcome.text.split(":")[0] == answer["raises"]
+        return outcome.status != "value" and re.split("[: ]", outcome.text)[0] == answer["raises"]
     return outcome.status == "value" and exercise.comparison.alike(answer, outcome.value)
