@@ -424,7 +424,7 @@ POSE_RESIDUAL = Exercise(
         the first pose in the frame of the second: x, y, theta = first.T => x, y, theta = second.T
             x2, y2, theta2 = second.T => x2, y2, theta2 = first.T
             wrap_angle(theta2 - theta - turn) => wrap_angle(theta - theta2 - turn)
-            Your x and y are those of the first pose in the frame of the second. z is the second pose in the frame of the first.
+            Your x and y express the first pose in the frame of the second. z is the second pose in the frame of the first.
         a matrix for one edge, and not in z's frame: + c, s = np.cos(first[2]), np.sin(first[2])
             + x, y = np.array([[c, s], [-s, c]]) @ (second[:2] - first[:2]) - z[:2]
             + return np.array([x, y, wrap_angle(second[2] - first[2] - z[2])])
