@@ -1447,9 +1447,11 @@ GRAPH_SLAM = Exercise(
             values, R, strict => seen.values[used], [seen.part([n]).covariance for n in used], strict
             Two errors: turn the odometry noise by -motion.turn, because pose_residual works in the new pose's frame, and use values and covariances from seen.part(used).decorrelated(ranges) in place of the measurements and plain blocks of R.
         heading of None: here and self.front.heading is not None => here
-            If the error names NoneType, you compute with a heading of None: add an edge only if the filter's heading is not None. If it says "cannot unpack", you use linearised_at, whose values are one array (2m,): decorrelated returns values (k, 2) and covariances (k, 2, 2).
+            You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None.
         heading of None at every stop: if here and self.front.heading is not None => if True
-            If the error names NoneType, you compute with a heading of None, because not every stop has a compass. If it says "cannot unpack", you use linearised_at, whose values are one array (2m,): decorrelated returns values (k, 2) and covariances (k, 2, 2).
+            You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None. Not every stop has a compass.
+        linearised_at for decorrelated: seen.part(used).decorrelated => seen.part(used).linearised_at
+            An edge needs the values of a single measurement. decorrelated returns values (k, 2) and covariances (k, 2, 2); linearised_at returns one array (2m,) and one matrix.
         -1 kept: self.front.indices >= 0) => self.front.indices >= -1)
             You also add edges for measurements whose number is -1. Leave them out: they have no landmark.
         k counts all measurements: seen.part(used).decorrelated(np.hypot(*(places - self.front.state[:2]).T)) => [each[used] for each in seen.decorrelated(np.hypot(*(self.front.state[3:].reshape(-1, 2)[self.front.indices] - self.front.state[:2]).T))]
