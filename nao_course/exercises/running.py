@@ -314,7 +314,9 @@ def own_line(error: BaseException) -> str:
 
 def _raised(error: BaseException) -> Outcome:
     """Return an exception's text, its classes and the student's own line."""
-    _, earlier = own_frames(error)
+    own, earlier = own_frames(error)
+    if not earlier and own and own[-1].filename != own[0].filename:  # in another cell
+        earlier = own[-1].name
     inside = [f"(inside {earlier})"] if earlier else []
     text = " ".join([describe(error) + _arguments(error) + _whose(error), *inside, *_notes(error)])
     return Outcome("raised", text=text, line=own_line(error), errors=_names_of_classes(type(error)))

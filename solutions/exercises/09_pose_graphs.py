@@ -200,6 +200,11 @@ LANDMARK_RESIDUAL = Exercise(
         z placed on the map: return np.array([c * dx + s * dy, -s * dx + c * dy]).T - z => zx, zy = z.T
             + return np.array([c * zx - s * zy - dx, s * zx + c * zy - dy]).T
             You place z on the map and subtract the landmark there. Equation 9.1 compares in the robot's frame: rotate the vector from the robot to the landmark by minus the heading, and subtract z.
+        the position by .T, and a matrix: + c, s = np.cos(pose.T[2]), np.sin(pose.T[2])
+            + return np.array([[c, -s], [s, c]]).T @ (landmark - pose.T[:2]) - z
+            Your function is correct for one edge. For E edges pose.T[:2] is (2, E) and landmark is (E, 2). Take dx, dy = (landmark - pose[..., :2]).T, and write the two rows as sums, as the worked example does.
+        the measurement of lesson 05: c * dx + s * dy, -s * dx + c * dy => wrap_angle(np.arctan2(dy, dx) - theta), np.hypot(dx, dy)
+            Your expected measurement is a bearing and a range, as in lesson 05. Here z is metres ahead and metres to the left.
         rows exchanged: c * dx + s * dy, -s * dx + c * dy => -s * dx + c * dy, c * dx + s * dy
             Your two rows are in the wrong order. z has the metres ahead first and the metres to the left second.
         left as right: -s * dx + c * dy => s * dx - c * dy
@@ -285,6 +290,8 @@ LANDMARK_RESIDUAL_JACOBIANS = Exercise(
         order: return matrices => return (matrices
             [-s, c]]) => [-s, c]]))[::-1]
             The order of your two matrices is wrong. Return the Jacobian by the pose first and the Jacobian by the landmark second.
+        by the pose transposed: -ahead]]), => -ahead]]).mT,
+            Your Jacobian by the pose is transposed. Its rows are ahead and left, its columns x, y and theta.
         transposed: -ahead]]) => -ahead]]).mT
             [-s, c]]) => [-s, c]]).mT
             Both matrices are transposed. A row belongs to a number of the residual, and a column belongs to the variable of the derivative.
@@ -411,6 +418,17 @@ POSE_RESIDUAL = Exercise(
             Your third number does not contain z. It is the turn of the robot minus the measured turn.
         sign: return np.array => return -np.array
             All signs are opposite. Equation 9.4 is the second pose as seen from the measured pose.
+        z subtracted in the map frame: c * (x2 - x) + s * (y2 - y) - zx => c * (x2 - x - zx) + s * (y2 - y - zy)
+            -s * (x2 - x) + c * (y2 - y) - zy => -s * (x2 - x - zx) + c * (y2 - y - zy)
+            You subtract the x and y of z in the map frame, but they are in the frame of the first pose. Rotate t_j - t_i first, then subtract them.
+        the first pose in the frame of the second: x, y, theta = first.T => x, y, theta = second.T
+            x2, y2, theta2 = second.T => x2, y2, theta2 = first.T
+            wrap_angle(theta2 - theta - turn) => wrap_angle(theta - theta2 - turn)
+            Your x and y express the first pose in the frame of the second. z is the second pose in the frame of the first.
+        a matrix for one edge, and not in z's frame: + c, s = np.cos(first[2]), np.sin(first[2])
+            + x, y = np.array([[c, s], [-s, c]]) @ (second[:2] - first[:2]) - z[:2]
+            + return np.array([x, y, wrap_angle(second[2] - first[2] - z[2])])
+            You forgot R_zᵀ: rotate x and y by minus the angle of z. Besides, one matrix works for one edge only: write the rows as sums, with x, y, theta = first.T, and end with .T.
         order: + first, second = second, first
             You exchanged the two poses. z is the second pose in the frame of the first one.
         all wrapped: return np.array => return wrap_angle(np.array
@@ -526,6 +544,8 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
             -s * dx + c * dy => left
             -c * dx - s * dy => -ahead
             Your column of theta contains the x and y of the residual. z does not depend on the first heading, so use the rotated vector to the second pose without subtracting z.
+        theta from the unrotated z: dx, dy = x2 - x, y2 - y => dx, dy = x2 - x - z.T[0], y2 - y - z.T[1]
+            Your column of theta contains the x and y of z. They are not rotated by the first heading, so they do not appear in the derivative: use t_j - t_i.
         plus 1: [0, 0, -1] => [0, 0, 1]
             If the first pose turns left, the measured turn to the second one decreases. Its derivative is -1, not 1.
         angle by theta forgotten: [0, 0, -1] => [0, 0, 0]

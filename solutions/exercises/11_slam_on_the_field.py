@@ -451,6 +451,8 @@ JOINT_DISTANCE = Exercise(
             You return the squared distance. Take its root, because a gate is in standard deviations.
         bearings not wrapped: warp2pi(innovation[::2]) => innovation[::2]
             For a landmark straight behind the robot your bearing innovation is off by a full turn. Wrap it.
+        range before bearing: - expected_measurement(state[:3], state[columns]) => - expected_measurement(state[:3], state[columns])[::-1]
+            You exchange bearing and range of the expected measurement. expected_measurement returns (bearing, range).
         range wrapped, too: innovation[::2] = warp2pi(innovation[::2]) => innovation = warp2pi(innovation)
             You also wrap the innovation of the range. A range is not an angle, so wrap only the bearings, innovation[::2].
         the noise alone: S = H @ covariance @ H.T + => S =
@@ -1448,6 +1450,8 @@ GRAPH_SLAM = Exercise(
             You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None.
         heading of None at every stop: if here and self.front.heading is not None => if True
             You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None. Not every stop has a compass.
+        linearised_at for decorrelated: seen.part(used).decorrelated => seen.part(used).linearised_at
+            An edge needs the values of a single measurement. decorrelated returns values (k, 2) and covariances (k, 2, 2); linearised_at returns one array (2m,) and one matrix.
         -1 kept: self.front.indices >= 0) => self.front.indices >= -1)
             You also add edges for measurements whose number is -1. Leave them out: they have no landmark.
         k counts all measurements: seen.part(used).decorrelated(np.hypot(*(places - self.front.state[:2]).T)) => [each[used] for each in seen.decorrelated(np.hypot(*(self.front.state[3:].reshape(-1, 2)[self.front.indices] - self.front.state[:2]).T))]

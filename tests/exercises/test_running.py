@@ -63,6 +63,15 @@ def test_the_students_own_line_is_said_also_where_code_that_was_made_as_text_rai
     assert outcome.line == f"line {number}: {source.splitlines()[-1].strip()}"
 
 
+def test_a_function_of_another_cell_that_raises_is_named():
+    """Its line is said with the number in that cell, so the number alone would mislead."""
+    inner = cell("def f(v):\n    return 1 / v", "<ipython-input-7-0123456789ab>")
+    made = cell("def f(v):\n    return inner(v)", "<ipython-input-8-0123456789ab>")
+    made.__globals__["inner"] = inner
+    assert call(made, Case((0,))).text == "ZeroDivisionError: division by zero (inside f)"
+    assert call(inner, Case((0,))).text == "ZeroDivisionError: division by zero"
+
+
 @pytest.mark.parametrize(
     ("source", "named"),
     [

@@ -288,7 +288,8 @@ def _recognised(exercise: PublicExercise, outcomes: Sequence[Outcome], wrong: li
     """Return the message of the mistake whose answers these are, or both messages if two mistakes give them together.
 
     A mistake has to be wrong in the same cases and give the same answers there: in all cases, or in the first
-    wrong part (a method), because the methods after it may not be written yet. An unstable answer matches any
+    wrong part (a method), because the methods after it may not be written yet. No mistake is recognised by a part
+    that is not written, or if it gives wrong answers in a part that is right. An unstable answer matches any
     wrong answer, so several mistakes may match. Then the mistake with the most answers that are really the same is
     chosen, and among equals the first one.
     """
@@ -306,9 +307,15 @@ def _one_mistake(
 ) -> list[str]:
     """Return the message of the mistake that explains the wrong cases among some; an empty list if none does."""
     best, most = [], -1
+    failing = {exercise.cases[i].part for i in wrong}
     for mistake in exercise.mistakes:
-        answers = {int(i): answer for i, answer in mistake.answers.items() if int(i) in among}
+        given = {int(i): answer for i, answer in mistake.answers.items()}
+        answers = {i: answer for i, answer in given.items() if i in among}
         if sorted(answers) != [i for i in wrong if i in among]:
+            continue
+        if answers and all(map(_is_unwritten, answers.values())):
+            continue
+        if {exercise.cases[i].part for i, answer in given.items() if not _is_unwritten(answer)} - failing:
             continue
         found = [(answer, outcomes[i]) for i, answer in answers.items()]
         if all(is_unstable(each[0]) or same_answer(exercise, *each) for each in found):
@@ -331,6 +338,11 @@ def _recognised_pair(exercise: PublicExercise, outcomes: Sequence[Outcome], wron
     return [TWO_ERRORS, *(exercise.mistakes[number].message for number in found[0].mistakes)]
 
 
+def _is_unwritten(answer: Any) -> bool:
+    """Return whether a mistake's answer is that of a method that is not written."""
+    return isinstance(answer, dict) and answer.get("raises") == "NotImplementedError"
+
+
 def is_unstable(answer: Any) -> bool:
     """Return whether a mistake's answer is a rounding error, so that any wrong answer may be the same mistake."""
     return isinstance(answer, dict) and set(answer) == {"unstable"}
@@ -341,5 +353,5 @@ def same_answer(exercise: Exercise | PublicExercise, answer: Any, outcome: Outco
     if is_unstable(answer):
         return same_answer(exercise, answer["unstable"], outcome)
     if isinstance(answer, dict) and set(answer) == {"raises"}:
-        return outcome.status != "value" and outcome.text.split(":")[0] == answer["raises"]
+        return outcome.status != "value" and re.split("[: ]", outcome.text)[0] == answer["raises"]
     return outcome.status == "value" and exercise.comparison.alike(answer, outcome.value)

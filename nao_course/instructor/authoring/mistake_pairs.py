@@ -105,7 +105,8 @@ def _telling_answers(
 ) -> dict[str, Any]:
     """Return answers to a few small cases that no single mistake and no other pair gives; nothing if there are none.
 
-    At least one of these answers is neither the first nor the second mistake's.
+    At least one of these answers is neither the first nor the second mistake's, and one is the largest that there is
+    room for.
     """
     rivals: list[Mapping[int, Any] | _Tried] = [
         {int(number): answer for number, answer in mistake.answers.items()}
@@ -126,7 +127,11 @@ def _telling_answers(
             stored[str(number)] = answer
             rivals, numbers, size = left, numbers | found, size + length
         if not rivals and len(numbers) >= ENOUGH:
-            return stored
+            # Another error may fit small cases by chance, so the largest that there is room for has to fit as well.
+            for length, number, answer in reversed(answers):
+                fits = str(number) in stored or size + length <= MOST_BYTES
+                if fits and is_stable(tried.function, number, tried.outcomes[number].value):
+                    return stored | {str(number): answer}
     if rivals or sum(length for length, _, _ in answers) > MOST_BYTES:
         return {}
     every = {str(number): answer for _, number, answer in answers}

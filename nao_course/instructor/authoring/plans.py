@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -365,7 +366,7 @@ def _answers(
             )
         if judging.judge(exercise.comparison, case, outcome):
             continue
-        raised = {"raises": outcome.text.split(":")[0]}
+        raised = {"raises": re.split("[: ]", outcome.text)[0]}
         answer = outcome.value if outcome.status == "value" else raised
         others = (call_in_time(exercise, function, each) for each in variants)
         stable = all(_right_or_same(exercise, case, answer, other) for other in others)

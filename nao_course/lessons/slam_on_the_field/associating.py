@@ -79,10 +79,10 @@ def draw_matching(associate: Associate, associate_jointly: Associate) -> Drawing
     figure = Figure(figsize=(8.6, 3.0))
     ax = figure.add_subplot()
     for number, (name, colour) in enumerate(zip(wrong, (BAD, GOOD), strict=True)):
-        x = np.arange(1, RUNS + 1) + 0.4 * number - 0.2
+        x = np.arange(RUNS) + 0.4 * number - 0.2
         share = 100 - 100 * wrong[name].sum() / count
         ax.bar(x, wrong[name], 0.38, color=colour, label=f"{name}: {share:.1f} % right", zorder=3)
-    ax.set(xlabel="picture", ylabel="wrong measurements", xlim=(0.4, RUNS + 0.6), ylim=(0, None))
+    ax.set(xlabel="picture", ylabel="wrong measurements", xlim=(-0.6, RUNS - 0.4), ylim=(0, None))
     ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     legend_below(figure, ax.get_legend_handles_labels()[0])
     said = "; ".join(f"{name} {100 - 100 * each.sum() / count:.1f} %" for name, each in wrong.items())

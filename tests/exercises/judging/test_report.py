@@ -67,6 +67,26 @@ def test_a_mistake_in_a_method_is_recognised_before_the_other_methods_are_right(
     assert not {"late", "both"} & set(lines)
 
 
+def test_no_mistake_is_told_by_what_is_not_written_or_of_a_method_that_is_right():
+    """A mistake may leave other methods unwritten, because only the cases of its own method recognise it."""
+    unwritten = {"raises": "NotImplementedError"}
+    cases = [Case((), each, expected=0.0) for each in ("move: one", "turn: one", "turn: two")]
+    mistakes = [PublicMistake("move", {"0": 1.0, "1": unwritten, "2": unwritten})]
+    mistakes += [PublicMistake("both", {"0": 1.0, "1": 2.0})]
+    exercise = PublicExercise("Walker", "1.1", 1.0, 1, Close(), cases, mistakes, [], "methods")
+    blank = Outcome("raised", text="NotImplementedError: Walker.turn is not written yet")
+    for answers, named in (
+        ((0.0, blank, blank), set()),
+        ((1.0, blank, blank), {"move"}),
+        ((1.0, 0.0, 0.0), {"move"}),
+        ((1.0, 7.0, 0.0), {"move"}),
+        ((0.0, 2.0, 0.0), set()),
+    ):
+        outcomes = [each if isinstance(each, Outcome) else Outcome("value", each) for each in answers]
+        lines = explain(exercise, outcomes, "").lines
+        assert {"move", "both"} & set(lines) == named, answers
+
+
 def test_only_a_process_that_ended_is_said_to_end_python():
     for reason, ends in (
         ("it called base too often", ""),

@@ -48,11 +48,11 @@ GAIN, OFFSET, WRAP, SQUARE, NOTHING = (line.strip() for line in MISTAKES.splitli
 X = np.array([-35.0, 12.5, 99.0, 300.0])
 
 
-def declared() -> Exercise:
+def declared(small=X[1:3]) -> Exercise:
     return Exercise(
         "line",
         1,
-        public=lambda: [Case((X, 1.0, 0.0)), Case((X, 3.0, 7.5)), Case((X[1:3], 3.0, 7.5))],
+        public=lambda: [Case((X, 1.0, 0.0)), Case((X, 3.0, 7.5)), Case((small, 3.0, 7.5))],
         hidden=lambda rng: [Case((rng.uniform(-400, 400, 5), 2.0, 5.0))],
         hints=("Multiply.", "Add."),
         mistakes=catalogue(MISTAKES),
@@ -97,6 +97,12 @@ def test_two_mistakes_together_are_diagnosed_as_both_and_a_single_one_keeps_its_
         both_but_right_without_offset,
     ):
         assert said(public, wrong) == []
+
+
+def test_a_pair_that_fits_only_the_small_case_is_not_named():
+    (public,) = publish("90_toy", LessonPlan([declared(X[1:])]), solution()).exercises
+    assert said(public, lambda x, gain, offset: np.mod(x - offset, 360.0)) == [TWO_ERRORS, GAIN, OFFSET]
+    assert said(public, lambda x, gain, offset: np.mod(x - (len(x) - 2) ** (gain - 1) * offset, 360.0)) == []
 
 
 def test_changes_of_the_same_place_are_no_pair_and_a_pair_stores_a_small_answer_and_no_code(public):
