@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         read_homework_log,
         write_homework_log,
     )
+    from nao_course.datasets.mcap_log import read_mcap_log
     from nao_course.datasets.mrclam import MrclamLog, read_mrclam_log
     from nao_course.datasets.pictures import AnnotatedPoint, PictureSet, PointKind, RealPicture, read_pictures
     from nao_course.datasets.real_walk import recorded_walk
@@ -40,6 +41,7 @@ __all__ = [
     "read_freiburg_log",
     "read_g2o",
     "read_homework_log",
+    "read_mcap_log",
     "read_mrclam_log",
     "read_pictures",
     "recorded_walk",

@@ -285,6 +285,7 @@ class _Loading:
             return
         except BaseException as error:  # noqa: BLE001 - whatever it raises, the next statement runs
             self._skip(number, statement, describe(error))
+        self.namespace.pop("__annotate__", None)  # Python 3.14 makes this function of `size: int = 3`
         changed = [name for name, value in self.namespace.items() if held.get(name, held) is not value]
         imported = isinstance(statement, _IMPORTS)
         self.set_in.update(dict.fromkeys((*changed, *(held.keys() - self.namespace.keys())), number))

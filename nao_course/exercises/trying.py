@@ -99,6 +99,10 @@ _SIDE_BY_SIDE = (
     "Columns that stand side by side need the same length: print each .shape. Is one of them a single number? "
     "np.full(n, 1.0) makes a column of n ones."
 )
+_ONE_ELEMENT = (
+    "Since NumPy 2.4, an array with one element is not a number: take the element, as in values[0] or values.item(). "
+    "Older versions did that for you."
+)
 _ADVICE = {  # NumPy's own messages about the most common errors are correct, but do not help a beginner
     "The truth value of an array": "An array has no single True or False. Instead of and, or, a < b < c and if, "
     "write & and | between comparisons in brackets, or use np.where.",
@@ -130,6 +134,9 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "the right side has rows. Print each .shape: is a .T missing, or is one too many?",
     "1-dimensional array given": "That needs a matrix. Two lists as indices select single entries; a block is "
     "matrix[np.ix_(rows, columns)].",
+    "only 0-dimensional arrays can be converted": _ONE_ELEMENT,
+    "Casting complex values to real": "np.linalg.eig returns complex arrays since NumPy 2.5, even if the numbers are "
+    "real. For a symmetric matrix, such as a covariance, use np.linalg.eigh.",
     "maximum recursion depth": "Your function calls itself too often. Use a loop instead.",
     "Singular matrix": "That matrix has no inverse. Print it: is a row 0, or a multiple of another row?",
     "could not be broadcast together": "Two arrays need the same shape for +, - and *. Print each .shape, and check "
@@ -147,6 +154,7 @@ _ADVICE = {  # NumPy's own messages about the most common errors are correct, bu
     "has no attribute 'to_local'": "That line needs a Pose, not an array: Pose(*pose).",
     "inhomogeneous shape": "The entries of your array have different shapes: print each of them. In one matrix every "
     "entry is one number, such as v[2], not an array v and not None.",
+    "setting an array element with a sequence": _ONE_ELEMENT,
     "loop of ufunc does not support argument 0 of type": "np.sin and similar functions need numbers, not "
     "symbols: use SymPy's sin, cos, sqrt and atan2.",
     "has no attribute 'arctan2'": "np.arctan2 needs numbers, not symbols: use SymPy's atan2.",

@@ -196,6 +196,13 @@ def test_annotations_of_the_future_hold_for_the_cells_that_follow(load):
     assert found["Box"](3).size == 3
 
 
+def test_what_python_3_14_makes_of_an_annotated_constant_is_no_function_of_the_notebook(load):
+    found = load(
+        "size: int = 3\ndef __annotate__(form): return {}", "def area(side: float): return size * side"
+    )
+    assert set(found) == {"area"} and found["area"](2.0) == 6
+
+
 def test_a_traceback_shows_the_students_line_and_an_interrupt_goes_through(load, tmp_path, recwarn):
     with pytest.raises(ZeroDivisionError) as caught:
         load("def f():\n    return 1 / 0  # here")["f"]()

@@ -25,6 +25,11 @@ KINDS = {
     "c": "complex numbers",
 }
 
+_COMPLEX = (
+    ": since NumPy 2.5, np.linalg.eig returns them for every matrix. Use np.linalg.eigh for a symmetric one, or take "
+    ".real"
+)
+
 
 @dataclass(frozen=True)
 class Elements:
@@ -213,7 +218,8 @@ def _elements(expected: Any, got: Any, where: str, names: tuple[str, ...]) -> El
         return have
     kinds = wanted.dtype.kind, have.dtype.kind
     if (kinds[0] == "b") != (kinds[1] == "b") or (kinds[1] == "c" and kinds[0] != "c"):
-        return Verdict("type", f"{where} holds {KINDS[kinds[1]]}, not {KINDS[kinds[0]]}")
+        hint = _COMPLEX * (kinds[1] == "c")
+        return Verdict("type", f"{where} holds {KINDS[kinds[1]]}, not {KINDS[kinds[0]]}{hint}")
     if wanted.shape != have.shape:
         return Verdict("shape", f"{where} has shape {have.shape}; expected shape {wanted.shape}")
     return _stored(wanted, have, where, names) if sparse else _dense(wanted, have, where, names)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nao_course._internal.counts import say_count
-from nao_course.datasets import read_carmen_log
+from nao_course.datasets import read_carmen_log, read_mcap_log
 from nao_course.geometry import FloatArray, Pose
 from nao_course.lessons.pose_graphs.figures import GaussNewton, same_limits
 from nao_course.lessons.pose_graphs.scans import Scan, graph_of_scans, scan_of, used_scans
@@ -22,12 +22,12 @@ WHERE = "ipb.uni-bonn.de/datasets"
 
 @course_style()
 def draw_scans(path: Path | str, gauss_newton: GaussNewton) -> Drawing:
-    """Draw the scans of a log in CARMEN's format, by odometry and by a graph that the student's function solves.
+    """Draw the scans of a log, by odometry and by a graph that the student's function solves.
 
     Parameters
     ----------
     path : path
-        Path of the log.
+        Path of the log: of ROS 2 if it ends in .mcap, otherwise in CARMEN's format.
     gauss_newton : callable
         Exercise 9.6.
 
@@ -48,7 +48,7 @@ def draw_scans(path: Path | str, gauss_newton: GaussNewton) -> Drawing:
             f"There is no file {path} here. The course does not contain this log: download one in CARMEN's format "
             f"from {WHERE}, unpack it beside this notebook, and write its name into the cell."
         )
-    log = read_carmen_log(path)
+    log = (read_mcap_log if Path(path).suffix == ".mcap" else read_carmen_log)(path)
     graph, odometry, states = graph_of_scans(log, gauss_newton)
     chi2 = float(gauss_newton(graph, states.copy(), 0)[1][-1])
     scans = [scan_of(log, number) for number in used_scans(log)]

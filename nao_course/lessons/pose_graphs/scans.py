@@ -19,16 +19,11 @@ GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
 SPACING, TURN = 0.5, 0.5  # m and rad between two scans that are used
 REACH = 40.0  # m; longer ranges hit nothing, or too far away
 PAIRS = 1.0, 0.5, 0.3, 0.2, 0.15, 0.1  # m between points that are matched, in turn
-SIGMA = (
-    0.05  # m, of a point; neighbouring points have correlated errors, so that TOGETHER of them count as one
-)
-TOGETHER = 10.0
+SIGMA = 0.05  # m, of a point
+TOGETHER = 10.0  # points that count as one, because the errors of neighbouring points are correlated
 MOTION, CLOSURE = 0.6, 0.75  # share of the points that must match, for a motion and for a loop closure
 ODOMETRY = np.diag([100.0, 100.0, 100.0])  # information of a step whose scans do not match: 0.1 m and 0.1 rad
-NEAR, APART = (
-    3.0,
-    20,
-)  # m between two poses that may be a closure, and how many steps lie at least between them
+NEAR, APART = 3.0, 20  # largest distance in m, and smallest number of steps, between the poses of a closure
 CHANGE = 2.0, 0.5  # m and rad by which a closure may correct the current estimate
 BLOCK, STEPS = 30, 3  # poses between two searches of closures, and steps of the solver after each search
 
@@ -64,24 +59,8 @@ def graph_of_scans(log: CarmenLog, gauss_newton: GaussNewton) -> tuple[Graph, Fl
     Each scan is matched with the next one. After each `BLOCK` of poses, each pose is also matched with the nearest
     much earlier pose of the current solution, and the graph is solved.
 
-    Parameters
-    ----------
-    log : CarmenLog
-        Scans with the poses of the odometry.
-    gauss_newton : callable
-        Exercise 9.6.
-
-    Returns
-    -------
-    graph : Graph
-        A pose for each scan that is used, which is at least 0.5 m or 0.5 rad after the last one.
-    odometry, states : ndarray, shape (graph.size,)
-        Poses by odometry and by the graph, m and rad.
-
-    Raises
-    ------
-    ValueError
-        If fewer than two scans are used.
+    The graph has a pose for each scan that is used, which is at least 0.5 m or 0.5 rad after the last one. Both states
+    (graph.size,) are in m and rad. Raise a ValueError if the robot does not move.
     """
     used = used_scans(log)
     if len(used) < 2:

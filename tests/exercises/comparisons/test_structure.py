@@ -125,6 +125,8 @@ def test_values_of_every_kind_are_told_apart_and_long_lists_are_not_read():
     assert Close().compare(wanted, np.nan_to_num(wanted)).text.startswith("your answer is not NaN at [0, 0]")
     assert "is NaN at [0, 1]" in Close().compare(wanted, np.full((2, 2), nan)).text
     assert "1+2j, which is not right" in Close().compare(1j, 1 + 2j).text
+    complex_ = Close().compare(np.ones(2), np.ones(2) + 0j).text  # what eig returns since NumPy 2.5
+    assert "complex numbers, not floating-point numbers: since NumPy 2.5, np.linalg.eig" in complex_
     many = [np.zeros(10**6)] * 3
     verdict = Close().compare(np.zeros(3), many)
     assert verdict.kind == "type" and "a list of 3000000 values; return an array" in verdict.text

@@ -98,8 +98,13 @@ def test_the_lessons_cell_says_where_a_log_is_to_be_had_and_does_nothing_else(tm
 
 
 def test_a_log_without_motion_or_that_is_damaged_is_named(tmp_path):
-    still, damaged = tmp_path / "still.log", tmp_path / "damaged.log"
+    still, damaged, empty = tmp_path / "still.log", tmp_path / "damaged.log", tmp_path / "empty.mcap"
+    empty.touch()
     still.write_text("FLASER 2 1 1 0 0 0 0 0 0 1 host 1\n" * 3, encoding="utf-8")
     damaged.write_text("FLASER 2 1 one 0 0 0 0 0 0 1 host 1\n", encoding="utf-8")
-    for path, message in ((still, "does not move"), (damaged, "damaged.log, line 1: expected a number")):
+    for path, message in (
+        (still, "does not move"),
+        (damaged, "damaged.log, line 1: expected a number"),
+        (empty, "empty.mcap: expected 1 to"),
+    ):
         assert message in str(try_out(lambda path=path: tools.draw_scans(path, OWN["gauss_newton"])))
