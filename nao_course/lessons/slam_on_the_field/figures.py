@@ -88,16 +88,7 @@ def draw_one_tilt() -> Drawing:
     ax.set_title("two corners, each measured in 300 pictures", fontsize=11)
     both.plot(draws[:, 1], draws[:, 3], ".", color="#444", ms=3, alpha=0.6)
     keys += [
-        Line2D(
-            [],
-            [],
-            ls="",
-            marker="o",
-            ms=10,
-            mfc="none",
-            mec=STYLES["ekf"].colour,
-            label="95 % by R (ellipse)",
-        ),
+        Line2D([], [], ls="", marker="o", ms=10, mfc="none", mec=STYLES["ekf"].colour, label="95 % ellipse"),
         source_key("truth", "robot"),
         Line2D([], [], ls="", marker="o", ms=4, color="#444", label="one picture (right)"),
     ]
