@@ -74,6 +74,7 @@ WAITING = {
     "06": ("inside_guess",),
     "07": ("nis_guess", "loop_guess"),
     "08": ("filled_guess", "turn_guess"),
+    "09": ("heading_guess",),
     "10": ("promise_guess", "source_guess"),
     "12": ("ancestors_guess", "blind_guess"),
 }
