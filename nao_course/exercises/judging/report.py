@@ -339,7 +339,7 @@ def _recognised_pair(exercise: PublicExercise, outcomes: Sequence[Outcome], wron
 
 
 def _is_unwritten(answer: Any) -> bool:
-    """Return whether a mistake's answer is that of a method that is not written."""
+    """Return whether a mistake's answer is a method that is not written."""
     return isinstance(answer, dict) and answer.get("raises") == "NotImplementedError"
 
 
