@@ -73,7 +73,7 @@ def grader(tmp_path, monkeypatch, secret):
     for lesson in LESSONS.values():
         (tmp_path / "course" / "solutions" / f"{lesson}.md").touch()
     monkeypatch.chdir(tmp_path / "course")
-    monkeypatch.setattr(commands, "_refuse_what_is_not_built", lambda *_: None)
+    monkeypatch.setattr(commands, "refuse_edited_lessons", lambda *_: None)
     monkeypatch.setattr(
         commands, "lessons_used", lambda _, lesson: [each for each in LESSONS.values() if each < lesson]
     )

@@ -18,6 +18,7 @@ from typing import Any, Self, TypeVar
 
 from nao_course.instructor.collecting.layouts import person_in
 from nao_course.instructor.collecting.roster import Roster, Student, is_nameless, said_of
+from nao_course.instructor.gradebook import undo
 from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.gradebook.records import (
     Comment,
@@ -30,54 +31,23 @@ from nao_course.instructor.gradebook.records import (
     from_json,
     now,
 )
+from nao_course.instructor.gradebook.tables import (
+    APPLICATION,
+    OF_STUDENTS,
+    RESULT_COLUMNS,
+    VERSION,
+    VERSION_1,
+    VERSION_2,
+    VERSION_3,
+    VERSION_4,
+)
 
 Decision = Override | Mark | Comment | Request
 D = TypeVar("D", Override, Mark, Comment, Request)
 Given = TypeVar("Given", Override, Mark)
 
 NAME = "journal.sqlite"
-VERSION = 3
 PATIENCE = 60.0  # seconds that one grader waits for another one's transaction
-_APPLICATION = 0x4E414F4A  # "NAOJ": distinguishes this file from other SQLite files
-_COLUMNS = "student, lesson, submission, assignment, status, level, seconds, versions, time, result"
-_SCHEMA = f"""
-CREATE TABLE results (
-    student TEXT NOT NULL, lesson TEXT NOT NULL, submission TEXT NOT NULL, assignment TEXT NOT NULL,
-    status TEXT NOT NULL, level TEXT NOT NULL, seconds REAL NOT NULL, versions TEXT NOT NULL, time TEXT NOT NULL,
-    result TEXT NOT NULL, again INTEGER NOT NULL DEFAULT 0, PRIMARY KEY (student, lesson));
-CREATE TABLE history AS SELECT {_COLUMNS} FROM results;
-CREATE TABLE overrides (
-    student TEXT NOT NULL, lesson TEXT NOT NULL, exercise TEXT NOT NULL, points REAL NOT NULL, reason TEXT NOT NULL,
-    time TEXT NOT NULL);
-CREATE TABLE marks (
-    student TEXT NOT NULL, lesson TEXT NOT NULL, question TEXT NOT NULL, points REAL NOT NULL, comment TEXT NOT NULL,
-    time TEXT NOT NULL);
-CREATE TABLE runs (submissions TEXT NOT NULL, time TEXT NOT NULL);
-PRAGMA application_id = {_APPLICATION};
-"""
-_VERSION_2 = """
-CREATE TABLE IF NOT EXISTS comments (
-    lesson TEXT NOT NULL, exercise TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL, time TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS requests (
-    student TEXT NOT NULL, lesson TEXT NOT NULL, exercise TEXT NOT NULL, text TEXT NOT NULL, answer TEXT NOT NULL,
-    time TEXT NOT NULL);
-ALTER TABLE overrides ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-ALTER TABLE overrides ADD COLUMN earned REAL NOT NULL DEFAULT 0;
-ALTER TABLE marks ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-ALTER TABLE comments ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-ALTER TABLE requests ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-PRAGMA user_version = 2;
-"""
-# The students are in the journal, and not in a file beside it, so that one transaction changes who a person is and
-# whose the results are, and two graders that run at once agree on it.
-_VERSION_3 = """
-CREATE TABLE IF NOT EXISTS students (
-    student TEXT PRIMARY KEY, name TEXT NOT NULL, email TEXT NOT NULL, login TEXT NOT NULL, section TEXT NOT NULL,
-    listed INTEGER NOT NULL);
-CREATE TABLE IF NOT EXISTS aliases (alias TEXT PRIMARY KEY, student TEXT NOT NULL, lesson TEXT NOT NULL);
-PRAGMA user_version = 3;
-"""
-_OF_STUDENTS = ("results", "history", "overrides", "marks", "requests", "aliases", "students")  # tables
 
 
 class JournalError(ValueError):
@@ -127,11 +97,10 @@ class Journal:
         if new:
             with self._writing():  # another grader may have been faster
                 if not self._all("SELECT name FROM sqlite_master"):
-                    self._run(_SCHEMA)
-                    self._run(_VERSION_2)
-                    self._run(_VERSION_3)
+                    for statements in (VERSION_1, VERSION_2, VERSION_3, VERSION_4):
+                        self._run(statements)
             application, version = self._pragma("application_id"), self._pragma("user_version")
-        if application != _APPLICATION:
+        if application != APPLICATION:
             raise JournalError(f"{self.path} is an SQLite file, but no journal of this course: move it away")
         if version > VERSION:
             raise JournalError(
@@ -142,11 +111,13 @@ class Journal:
         if version < VERSION:
             with self._writing():
                 if self._pragma("user_version") < 2:
-                    self._run(_VERSION_2)
+                    self._run(VERSION_2)
                     self._decide_on_present_answers()
                 if self._pragma("user_version") < 3:
-                    self._run(_VERSION_3)
+                    self._run(VERSION_3)
                     self._know_present_students()
+                if self._pragma("user_version") < 4:
+                    self._run(VERSION_4)
 
     def _run(self, statements: str) -> None:
         for statement in statements.split(";"):
@@ -235,12 +206,12 @@ class Journal:
         )
         with self._writing():
             self._database.execute(
-                f"INSERT INTO history SELECT {_COLUMNS} FROM results WHERE student = ? AND lesson = ? "
+                f"INSERT INTO history SELECT {RESULT_COLUMNS} FROM results WHERE student = ? AND lesson = ? "
                 "AND (again = 1 OR submission <> ? OR assignment <> ?)",
                 (*key, graded.submission, graded.assignment),
             )
             self._database.execute(
-                f"INSERT INTO results ({_COLUMNS}) VALUES ({','.join('?' * len(row))}) "
+                f"INSERT INTO results ({RESULT_COLUMNS}) VALUES ({','.join('?' * len(row))}) "
                 "ON CONFLICT (student, lesson) DO UPDATE SET submission = excluded.submission, "
                 "assignment = excluded.assignment, status = excluded.status, level = excluded.level, "
                 "seconds = excluded.seconds, versions = excluded.versions, time = excluded.time, "
@@ -279,6 +250,15 @@ class Journal:
         """Return the students who have a result."""
         return {student for (student,) in self._all("SELECT DISTINCT student FROM results")}
 
+    def graded(self, student: str) -> list[tuple[str, SubmissionResult, bool]]:
+        """Return all results of a student, the oldest first: when they were graded, and whether they count."""
+        query = (
+            "SELECT time, result, 0 FROM history WHERE student = ? UNION ALL "
+            "SELECT time, result, 1 FROM results WHERE student = ? ORDER BY 1, 3"
+        )
+        found = self._all(query, (student, student))
+        return [(time, self._result(text), bool(counts)) for time, text, counts in found]
+
     def history(self, student: str, lesson: str) -> list[SubmissionResult]:
         """Return a student's earlier results of a lesson, the oldest first."""
         query = "SELECT result FROM history WHERE student = ? AND lesson = ? ORDER BY rowid"
@@ -295,6 +275,7 @@ class Journal:
     def want_again(self, student: str, lesson: str) -> None:
         """Mark a submission to be graded in the next run although nothing has changed."""
         with self._writing():
+            undo.forget_commands(self._database)
             self._database.execute(
                 "UPDATE results SET again = 1 WHERE student = ? AND lesson = ?", (student, lesson)
             )
@@ -371,15 +352,17 @@ class Journal:
             for lesson in mine.keys() & theirs.keys():
                 other = (old if _is_later(theirs[lesson], mine[lesson]) else new, lesson)
                 of_one = "WHERE student = ? AND lesson = ?"
-                self._database.execute(f"INSERT INTO history SELECT {_COLUMNS} FROM results {of_one}", other)
+                self._database.execute(
+                    f"INSERT INTO history SELECT {RESULT_COLUMNS} FROM results {of_one}", other
+                )
                 self._database.execute(f"DELETE FROM results {of_one}", other)
             for table in ("results", "history"):
                 for row, text in self._all(f"SELECT rowid, result FROM {table} WHERE student = ?", (old,)):
                     renamed = json.dumps(json.loads(text) | {"student": new}, ensure_ascii=False)
                     self._database.execute(f"UPDATE {table} SET result = ? WHERE rowid = ?", (renamed, row))
-            for table in _OF_STUDENTS[:-2]:
+            for table in OF_STUDENTS[:-2]:
                 self._database.execute(f"UPDATE {table} SET student = ? WHERE student = ?", (new, old))
-            for table in _OF_STUDENTS[-2:]:
+            for table in OF_STUDENTS[-2:]:
                 self._database.execute(f"DELETE FROM {table} WHERE student = ?", (old,))
             joined = replace(before, student=new).joined(after)
             self._write_students([replace(joined, aliases={**joined.aliases, old: ""})])
@@ -390,8 +373,9 @@ class Journal:
         """Delete all that is recorded of a student, also from the parts of the file that are not used any more."""
         self._database.execute("PRAGMA secure_delete = ON")
         with self._writing():
-            for table in _OF_STUDENTS:
+            for table in OF_STUDENTS:
                 self._database.execute(f"DELETE FROM {table} WHERE student = ?", (student,))
+            undo.forget_commands(self._database)
         with self._errors_in_words("write"):
             self._database.execute("VACUUM")
             self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
@@ -404,7 +388,10 @@ class Journal:
             self._insert("overrides", [change])
 
     def overrides(self, lesson: str | None = None) -> list[Override]:
-        """Return the overrides of each exercise of each student, the last one for each answer, the oldest first."""
+        """Return the overrides of each exercise of each student, the last one for each answer, the oldest first.
+
+        What was withdrawn is left out.
+        """
         return _last_of_each(self._records("overrides", Override), lesson)
 
     def mark(self, marks: Iterable[Mark]) -> None:
@@ -413,7 +400,7 @@ class Journal:
             self._insert("marks", marks)
 
     def marks(self, lesson: str | None = None) -> list[Mark]:
-        """Return the marks of each question of each student, the last one for each answer, the oldest first."""
+        """Return the first and second marks of each question of each student, as `overrides` does."""
         return _last_of_each(self._records("marks", Mark), lesson)
 
     def comment(self, comments: Iterable[Comment]) -> None:
@@ -451,19 +438,21 @@ class Journal:
                 "DELETE FROM requests WHERE student = ? AND lesson = ? AND exercise = ? AND text = ?",
                 [(each.student, each.lesson, each.exercise, each.text) for each in gone],
             )
-            self._insert("requests", new, time=now())
+            self._insert("requests", new)
         return [*new, *gone]
 
-    def answer(self, student: str, lesson: str, exercise: str, answer: str, decided_on: str) -> bool:
+    def answer(
+        self, student: str, lesson: str, exercise: str, answer: str, decided_on: str, given_by: str = ""
+    ) -> bool:
         """Answer the open requests about a student's exercise; return whether there was one."""
         key = (student, lesson, exercise, "")
         if all((each.student, each.lesson, each.exercise, each.answer) != key for each in self.requests()):
             return False
         with self._writing():
             self._database.execute(
-                "UPDATE requests SET answer = ?, decided_on = ? "
+                "UPDATE requests SET answer = ?, decided_on = ?, given_by = ? "
                 "WHERE student = ? AND lesson = ? AND exercise = ? AND answer = ?",
-                (answer, decided_on, *key),
+                (answer, decided_on, given_by, *key),
             )
         return True
 
@@ -471,9 +460,41 @@ class Journal:
         """Return all requests, the oldest first."""
         return list(self._records("requests", Request))
 
-    def began(self, submissions: Path) -> None:
-        """Note where the submissions of a run are."""
+    def decisions(self, student: str) -> list[Override | Mark]:
+        """Return all points and marks that people gave a student, also withdrawn ones, the oldest first."""
+        both: list[Override | Mark] = [*self._records("overrides", Override), *self._records("marks", Mark)]
+        return sorted((each for each in both if each.student == student), key=lambda each: each.time)
+
+    @contextmanager
+    def command(self, words: str, given_by: str) -> Iterator[None]:
+        """Remember what a person's command replaces in the journal, so that `undo` can take it back."""
         with self._writing():
+            number = undo.begin(self._database, words, given_by, now())
+        try:
+            yield
+        finally:
+            with self._writing():
+                undo.end(self._database, number)
+
+    def undo(self) -> str:
+        """Take back the last command, and return its words. Raise a JournalError if there is none."""
+        with self._writing():
+            last = self._database.execute(
+                "SELECT number, words, given_by, time FROM commands ORDER BY number DESC LIMIT 1"
+            ).fetchone()
+            if last is None:
+                raise JournalError(
+                    "there is nothing to undo: only marks, comments, points by hand, requests and changes of students "
+                    "since the last grade or --forget can be undone"
+                )
+            undo.take_back(self._database, last[0])
+        self.policy = self._policy_by_student()
+        return f"{last[1]} (by {last[2] or 'unknown'}, {last[3]})"
+
+    def began(self, submissions: Path) -> None:
+        """Note where the submissions of a run are. What was commanded before cannot be undone any more."""
+        with self._writing():
+            undo.forget_commands(self._database)
             self._database.execute("INSERT INTO runs VALUES (?, ?)", (str(submissions.resolve()), now()))
 
     def places(self) -> list[Path]:
@@ -483,10 +504,10 @@ class Journal:
 
     # --- SQLite ---
 
-    def _insert(self, table: str, records: Iterable[Decision], **more: str) -> None:
+    def _insert(self, table: str, records: Iterable[Decision]) -> None:
         """Insert records, whose fields are the table's columns."""
         for each in records:
-            values = vars(each) | more
+            values = vars(each)
             self._database.execute(
                 f"INSERT INTO {table} ({', '.join(values)}) VALUES ({', '.join('?' * len(values))})",
                 tuple(values.values()),
@@ -535,13 +556,16 @@ def _is_later(one: SubmissionResult, other: SubmissionResult) -> bool:
 
 def _last_of_each(given: Iterable[Given], lesson: str | None) -> list[Given]:
     """Return the last decision for each answer, by students and lessons and then the oldest first."""
-    last: dict[tuple[str, ...], Given] = {}
+    last: dict[tuple[str, str, str, bool], dict[str, Given]] = defaultdict(dict)
     for each in given:
         if lesson in (None, each.lesson):
-            key = (each.student, each.lesson, each.item, each.decided_on)
-            last.pop(key, None)
-            last[key] = each
-    return [last[key] for key in sorted(last, key=lambda key: key[:3])]
+            decided = last[each.student, each.lesson, each.item, bool(getattr(each, "is_second", False))]
+            if each.is_withdrawn:
+                decided.clear()
+            else:
+                decided.pop(each.decided_on, None)
+                decided[each.decided_on] = each
+    return [each for key in sorted(last) for each in last[key].values()]
 
 
 def _advice(reason: str) -> str:
