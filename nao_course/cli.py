@@ -568,6 +568,16 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 
 
 @app.command(hidden=_STUDENTS)
+def status(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
+    """List who handed in, what waits for marks or answers, and what to do next; also as a page (instructors)."""
+    with _errors_in_words():
+        from nao_course.instructor import class_commands
+
+        for line in class_commands.status(console, grades):
+            _say(line)
+
+
+@app.command(hidden=_STUDENTS)
 def similar(
     submissions: Path = typer.Argument(..., help="Folder of submissions, or the zip archive, as for grade."),
     out: Path = typer.Option(..., metavar="FOLDER", help="Folder for the page."),

@@ -1,4 +1,4 @@
-"""What the commands about a whole class do and say: report, and requests to look again."""
+"""What the commands about a whole class do and say: report, status, and requests to look again."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import typer
+from rich.console import Console
+from rich.table import Table
 
 from nao_course._internal.counts import say_count
 from nao_course.homework import REQUEST
@@ -17,8 +19,12 @@ from nao_course.instructor.feedback_pages import write_pages
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Request
 from nao_course.instructor.looking_up import list_problems, login, results_of, without_result
+from nao_course.instructor.reports import exports
+from nao_course.instructor.reports import status as status_report
 from nao_course.instructor.reports.class_report import write_report
-from nao_course.instructor.reports.html import visible
+from nao_course.instructor.reports.html import visible, write_whole
+
+STATUS = "status.html"  # in GRADES
 
 _HOW_TO_ASK = (
     f"This part of your {REQUEST} could not be read. Write the name of an exercise of this course, a colon and your "
@@ -38,6 +44,24 @@ def report(grades: Path) -> Iterator[str]:
         yield from submission_times.without_time(journal)
         extensions = journal.policy.extensions if journal.policy else {}
         yield from without_result("course.toml: extensions", extensions, journal)
+        yield from list_problems(journal)
+
+
+def status(console: Console, grades: Path) -> Iterator[str]:
+    """Print a table of what waits for a person, and write GRADES/status.html; yield what to do next.
+
+    Raise a ValueError if there is no journal.
+    """
+    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
+        lessons = sorted({each.lesson for each in journal.each_result()})
+        found = status_report.status(journal, exports.last_exports(grades / exports.FOLDER, lessons))
+        header, *rows = status_report.status_table(found)
+        table = Table(*header)
+        for row in rows:
+            table.add_row(*row)
+        console.print(table)
+        yield from status_report.what_to_do(found) or ["Nothing waits for you."]
+        yield f"wrote {write_whole(grades / STATUS, status_report.status_page(found))}"
         yield from list_problems(journal)
 
 

@@ -38,6 +38,7 @@ from nao_course.instructor.feedback_pages import FEEDBACK, write_pages
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.looking_up import result_of, results_of
+from nao_course.instructor.reports import status
 from nao_course.instructor.reports.html import write_whole
 
 NOT_GRADED = "not_graded.txt"
@@ -253,7 +254,9 @@ def _show(
         about = summarise(journal, lesson)
         table.add_row(f"{lesson}, mean so far", _mean(about))
         changed += list(_changed(lesson, about))
-        lowering += about.lowering
+        lowering += [
+            f"{lesson}: {line}" for score in about.lowering for line in status.lowering_in_words(score)
+        ]
         untimed += list(submission_times.without_time(journal, lesson))
     console.print(table)
     reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]

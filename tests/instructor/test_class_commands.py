@@ -199,3 +199,13 @@ def test_an_answer_needs_a_request_and_a_reason(grades):
     assert "say why with --reason" in run(*keep, status=1)
     said = run(*keep, "--reason", "No.", status=1)
     assert "there is no open request of 'ada' about 'rgb_to_hsl'" in said
+
+
+def test_status_prints_what_waits_and_writes_the_page(grades):
+    said = run("status", grades)
+    assert "handed in" in said and "3" in said and "Not exported: " in said
+    text = Page((grades / "status.html").read_text("utf-8")).text
+    assert "Handed in, 3: ada, ben, eve" in text and "ada: 1 day" in text
+    run("export", grades, "--format", "csv")
+    assert "Not exported" not in run("status", grades)
+    assert "there is no journal" in run("status", grades / "none", status=1)

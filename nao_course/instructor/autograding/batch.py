@@ -209,8 +209,8 @@ class LessonSummary:
 
     `worth` are the lesson's points. `changed_marks` counts written answers that a person has marked and that the
     student has changed since. `changed_overrides` are points by hand that do not count any more, because the answer has
-    changed, or because the grader gives more. `lowering` are lines about points by hand that are fewer than the
-    grader's.
+    changed, or because the grader gives more. `lowering` are scores with points by hand that are fewer than
+    the grader's.
     """
 
     graded: list[float] = field(default_factory=list)
@@ -218,7 +218,7 @@ class LessonSummary:
     worth: float = 0.0
     changed_marks: int = 0
     changed_overrides: list[tuple[SubmissionResult, Override]] = field(default_factory=list)
-    lowering: list[str] = field(default_factory=list)
+    lowering: list[Score] = field(default_factory=list)
 
 
 def summarise(journal: Journal, lesson: str) -> LessonSummary:
@@ -234,17 +234,8 @@ def summarise(journal: Journal, lesson: str) -> LessonSummary:
             for each in score.earlier_overrides.values()
             if each.points != points[each.item]
         ]
-        summary.lowering += lowering_in_words(score)
+        summary.lowering += [score] if score.lowering else []
     return summary
-
-
-def lowering_in_words(score: Score) -> list[str]:
-    """Return a line for each exercise with fewer points by hand than the grader gives."""
-    return [
-        f"{score.result.student}, {score.result.lesson}, {each.name}: {by_hand.points:g} by hand"
-        f"{f' by {by_hand.given_by}' if by_hand.given_by else ''}, the grader gives {each.earned:g}"
-        for each, by_hand in score.lowering
-    ]
 
 
 def feedback_writer(journal: Journal, folder: Path) -> Callable[[SubmissionResult], Path]:

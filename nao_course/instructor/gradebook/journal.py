@@ -465,6 +465,14 @@ class Journal:
         both: list[Override | Mark] = [*self._records("overrides", Override), *self._records("marks", Mark)]
         return sorted((each for each in both if each.student == student), key=lambda each: each.time)
 
+    def last_change(self, lesson: str) -> str:
+        """Return when a result, points or a mark of a lesson last came into the journal; empty if none did."""
+        tables = " UNION ALL ".join(
+            f"SELECT time FROM {table} WHERE lesson = :lesson" for table in ("results", "overrides", "marks")
+        )
+        ((time,),) = self._all(f"SELECT ifnull(max(time), '') FROM ({tables})", {"lesson": lesson})
+        return str(time)
+
     @contextmanager
     def command(self, words: str, given_by: str) -> Iterator[None]:
         """Remember what a person's command replaces in the journal, so that `undo` can take it back."""
@@ -519,7 +527,7 @@ class Journal:
         for row in self._all(f"SELECT {', '.join(columns)} FROM {table} ORDER BY rowid"):
             yield kind(*row)
 
-    def _all(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:
+    def _all(self, query: str, values: tuple[Any, ...] | dict[str, Any] = ()) -> list[Any]:
         with self._errors_in_words("read"):
             return self._database.execute(query, values).fetchall()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -163,6 +164,22 @@ def _test(item: ExerciseResult | WrittenAnswer, points: float, right: bool, outp
         "output": visible(output),
         "output_format": "text",
         "visibility": "visible",
+    }
+
+
+def last_exports(folder: Path, lessons: Iterable[str]) -> dict[str, str]:
+    """Return when each lesson was last exported, in UTC as in the journal; a table of grades is of all lessons."""
+    found = [(each.name, each.stat().st_mtime) for each in folder.glob("*") if each.is_file()]
+    times = {
+        lesson: max(
+            (time for name, time in found if lesson in name or name.startswith("grades.")), default=None
+        )
+        for lesson in lessons
+    }
+    return {
+        lesson: datetime.fromtimestamp(time, UTC).isoformat(timespec="seconds")
+        for lesson, time in times.items()
+        if time is not None
     }
 
 
