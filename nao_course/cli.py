@@ -336,7 +336,9 @@ def _progress() -> Progress:
 def release(
     out: Path = typer.Option(..., help="Folder for the archive."),
     students: Path | None = typer.Option(
-        None, help="File with a student's name in each line; each of them gets an archive with personal data."
+        None,
+        help="Folder of grades, or file with a student's name in each line; each of them gets an archive with personal "
+        "data.",
     ),
     prove: bool = _PROVE,
 ) -> None:
@@ -503,9 +505,11 @@ def requests(
 @app.command(hidden=_STUDENTS)
 def export(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
-    format_: str = typer.Option(..., "--format", help="csv, gradescope, moodle or canvas."),
+    format_: str = typer.Option(
+        ..., "--format", help="csv, json, or a platform's name; another word lists all."
+    ),
     lesson: str = typer.Option("", help="Number of a lesson; by default all."),
-    sheet: Path = typer.Option(None, help="Sheet of Moodle or Canvas to fill in."),
+    sheet: Path = typer.Option(None, help="The platform's own sheet of grades, to be filled in."),
     column: str = typer.Option("", help="Column of that sheet for the points, or the beginning of its name."),
     scale: bool = typer.Option(False, "--scale", help="Scale points to the maximum in that sheet."),
 ) -> None:

@@ -9,6 +9,7 @@ from nao_course._internal.counts import say_count
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.secret import load_secret
 from nao_course.instructor.commands import refuse_edited_lessons
+from nao_course.instructor.feedback_pages import FEEDBACK
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.scores import all_scores
 from nao_course.instructor.looking_up import graded_lesson, list_problems, only_lesson
@@ -38,7 +39,8 @@ def export(
         if format_ in platforms.PLATFORMS:
             yield from _platform(journal, grades, format_, lesson, sheet, column, scale)
         else:
-            yield f"wrote {exports.write_csv(journal, grades / exports.FOLDER, graded_lesson(journal, lesson))}"
+            write = exports.write_json if format_ == "json" else exports.write_csv
+            yield f"wrote {write(journal, grades / exports.FOLDER, graded_lesson(journal, lesson))}"
         yield from list_problems(journal)
 
 
@@ -55,13 +57,17 @@ def _platform(
     folder = grades / exports.FOLDER
     path = write_whole(folder / f"{platform}_{name}.csv", filled.table)
     yield f"wrote {path}: {say_count(filled.filled, 'row')} filled in"
-    pages = []
-    for each in made:
-        with journal.for_one(each.result.student, name, "the feedback page is not in the zip"):
-            pages.append((each.result, feedback_page(each).encode()))
-    archive, without = platforms.feedback_zip(platform, pages, roster)
-    path = write_whole(folder / f"{platform}_feedback_{name}.zip", archive)
-    yield f"wrote {path}: for {platforms.UPLOADS[platform]}"
+    without: tuple[str, ...] = ()
+    if platform in platforms.UPLOADS:
+        pages = []
+        for each in made:
+            with journal.for_one(each.result.student, name, "the feedback page is not in the zip"):
+                pages.append((each.result, feedback_page(each).encode()))
+        archive, without = platforms.feedback_zip(platform, pages, roster)
+        path = write_whole(folder / f"{platform}_feedback_{name}.zip", archive)
+        yield f"wrote {path}: for {platforms.UPLOADS[platform]}"
+    else:
+        yield f"the feedback pages are in {grades / FEEDBACK}: the platform takes no file with all of them"
     for said, who in (
         ("Graded, but in no row", filled.without_row),
         ("Not graded", filled.without_grade),

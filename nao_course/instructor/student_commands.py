@@ -121,7 +121,7 @@ def _list(journal: Journal, grades: Path) -> Iterator[str]:
         more = ", ".join(filter(None, [*(cell for cell in row[1:5] if cell != row[0]), row[5]]))
         yield f"{row[0]}{': ' if more else ''}{more}"
     path = write_whole(grades / LIST, table([header, *rows]))
-    yield f"wrote {path}: {say_count(len(rows), 'student')}; nao-course release --students takes it as it is"
+    yield f"wrote {path}: {say_count(len(rows), 'student')}; nao-course release --students {grades} uses these names"
 
 
 def _meant(roster: Roster, word: str) -> str:
