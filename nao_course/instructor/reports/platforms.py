@@ -292,7 +292,7 @@ def _columns_of(
 
 
 def _column(file: str, header: Sequence[str], names: Sequence[str], wanted: str) -> int:
-    """Return the only column that is named, or begins, as it is wanted."""
+    """Return the only column with the wanted name, or whose name begins with it."""
     fits = [at for at, name in enumerate(names) if name == wanted.strip().casefold()]
     fits = fits or [at for at, name in enumerate(names) if name.startswith(wanted.strip().casefold())]
     if len(fits) != 1:

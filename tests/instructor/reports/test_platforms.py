@@ -198,7 +198,7 @@ SHEETS = {  # the sheet, the points of Ada, Žofie and Ben in it, and the header
     "brightspace": (
         "OrgDefinedId,Username,Last Name,First Name,Email,Essay Points Grade <Numeric MaxPoints:5>,"
         "Lesson 01 Points Grade <Numeric MaxPoints:2 Weight:10>,End-of-Line Indicator\n"
-        "#s001,#alovelace,Lovelace,Ada,,,,#\n#s002,#zofie,Nováková,Žofie,,1,,#\n#s003,#ben,Bee,Ben,,,1,#\n",
+        "#s001,#alovelace,Lovelace,A.,,,,#\n#s002,#zofie,Nováková,Žofie,,1,,#\n#s003,#ben,Bee,Ben,,,1,#\n",
         ["1.5", "2"],
         "Lesson 01",
     ),

@@ -26,6 +26,8 @@ def journal(tmp_path):
         for student in ("ada", "ben", "cleo"):
             opened.keep(result(student, *parts, **timed))
         opened.keep(result("dan", exercise("undecided"), answer(text=""), submission="s"))
+        opened.keep(result("fay", exercise("undecided"), handed_in="2026-11-20 12:00+01:00", submission="s"))
+        opened.override(Override("fay", LESSON, "rgb_to_hsl", 1.0, "x", decided_on="s"))
         opened.keep(result("eve", status="refused", reason="it is empty"))
         opened.know([Student("gil", "Gil", listed=True)])
         opened.mark([mark(2.0, given_by="ben"), mark(1.0, given_by="cleo", is_second=True)])
@@ -35,7 +37,7 @@ def journal(tmp_path):
         )
         opened.override(Override("ben", LESSON, "rgb_to_hsl", 1.0, "x", decided_on="old"))
         opened.request([Request("cleo", LESSON, "rgb_to_hsl", "Is this right?")])
-        for student in ("ada", "ben", "cleo", "dan", "eve", "gil"):
+        for student in ("ada", "ben", "cleo", "dan", "eve", "fay", "gil"):
             opened.keep(result(student, exercise(), lesson=OTHER, submission="s"))
         yield opened
 
@@ -43,7 +45,7 @@ def journal(tmp_path):
 def test_each_kind_is_counted_and_named(journal):
     first, second = status(journal, {})
     assert {kind: len(lines) for kind, lines in first.lines.items() if kind != "not exported"} == {
-        "handed in": 5,
+        "handed in": 6,
         "not handed in": 1,
         "refused": 1,
         "late": 3,
