@@ -31,7 +31,10 @@ def begin(database: Connection, words: str, given_by: str, time: str) -> int:
 
 
 def end(database: Connection, number: int) -> None:
-    """Stop to keep what is replaced; a command that changed nothing is forgotten."""
+    """Stop to keep what is replaced.
+
+    A command that changed nothing is forgotten, and so is one that another grader's run made impossible to undo.
+    """
     for table in _TABLES:
         for change in ("INSERT", "UPDATE", "DELETE"):
             database.execute(f"DROP TRIGGER temp.undo_{table}_{change}")
@@ -39,6 +42,7 @@ def end(database: Connection, number: int) -> None:
         "DELETE FROM commands WHERE number = ? AND NOT EXISTS (SELECT * FROM replaced WHERE command = ?)",
         (number, number),
     )
+    database.execute("DELETE FROM replaced WHERE command NOT IN (SELECT number FROM commands)")
 
 
 def take_back(database: Connection, number: int) -> None:

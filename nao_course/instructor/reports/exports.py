@@ -142,7 +142,10 @@ def _notes(score: Score) -> list[str]:
         notes.append("late by the platform, but not by how much: nothing was deducted")
     if score.waiting:
         notes.append(f"{say_count(len(score.waiting), 'written answer')} not marked yet")
-    notes += [f"{name} set to {number(each.points)}: {each.reason}" for name, each in score.overrides.items()]
+    notes += [
+        f"{name} set to {number(each.points)}{f' by {each.given_by}' if each.given_by else ''}: {each.reason}"
+        for name, each in score.overrides.items()
+    ]
     earlier: tuple[Override | Mark, ...] = (*score.earlier_overrides.values(), *score.earlier_marks.values())
     notes += [
         f"{each.item}: {number(each.points)} points were for an earlier answer and do not count"

@@ -44,7 +44,8 @@ def journal(tmp_path):
 def content(folder):
     """Return all rows of all tables of a journal."""
     with closing(sqlite3.connect(folder / NAME)) as database:
-        tables = [row[0] for row in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
+        query = "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite%'"
+        tables = [row[0] for row in database.execute(query)]
         return {table: database.execute(f"SELECT rowid, * FROM {table}").fetchall() for table in tables}
 
 
@@ -79,6 +80,18 @@ def test_what_another_grader_does_at_the_same_time_stays(journal, tmp_path):
         other.mark([mark(2.0, student="ben")])
     journal.undo()
     assert {(each.student, each.points) for each in journal.marks()} == {("ada_2", 1.5), ("ben", 2.0)}
+
+
+def test_a_run_that_begins_during_a_command_leaves_nothing_of_it_to_undo(journal, tmp_path):
+    with Journal(tmp_path) as other, journal.command("marks", "ben"):
+        journal.mark([mark(1.0)])
+        other.began(tmp_path)
+        with other.command("request", "cleo"):
+            CHANGES["a request"](other)
+        journal.mark([mark(2.0)])
+    journal.undo()
+    assert [each.points for each in journal.marks() if each.student == "ada"] == [2.0]
+    assert not content(tmp_path)["replaced"]
 
 
 def test_a_command_that_fails_half_way_can_be_undone(journal, tmp_path):
