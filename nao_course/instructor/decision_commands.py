@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
-from nao_course._internal.tables import plain_number
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.feedback_pages import folder_of, write_pages
 from nao_course.instructor.gradebook.journal import Journal
@@ -58,12 +57,15 @@ def decided(result: SubmissionResult, change: str, reason: str, by: str) -> Over
     worth |= {each.name: each.points for each in result.written}
     if name not in worth:
         raise ValueError(f"{result.lesson} has no exercise {name!r}; it has {', '.join(worth)}")
-    number = plain_number(points)
-    if number is None or number > worth[name]:
+    try:
+        number = float(points)
+    except ValueError:
         raise ValueError(
-            f"--set wants EXERCISE=POINTS, such as {name}=1.5, and {name} is worth 0 to {worth[name]:g} points; "
-            f"got {change!r}. To take points back that were given by hand, say --unset {name}"
-        )
+            f"--set wants EXERCISE=POINTS, such as {name}=1.5; got {change!r}. To take points back that people gave, "
+            f"say --unset {name}"
+        ) from None
+    if not 0 <= number <= worth[name]:
+        raise ValueError(f"{name} is worth 0 to {worth[name]:g} points, got {points}")
     if name in questions:
         answer = questions[name].fingerprint
         return Mark(result.student, result.lesson, name, number, reason, decided_on=answer, given_by=by)

@@ -74,7 +74,7 @@ def test_two_marks_that_differ_are_settled_by_hand(grades):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--set", "rgb_to_hsl=5", "--reason", "x"], "worth 0 to 4 points; got 'rgb_to_hsl=5'"),
+        (["--set", "rgb_to_hsl=5", "--reason", "x"], "rgb_to_hsl is worth 0 to 4 points, got 5"),
         (["--set", "rgb_to_hsl=", "--reason", "x"], "say --unset rgb_to_hsl"),
         (["--set", "hue=1", "--reason", "x"], "has no exercise 'hue'; it has rgb_to_hsl, why_hsl"),
         (["--set", "rgb_to_hsl=1"], "say why with --reason"),

@@ -69,6 +69,8 @@ class Journal:
 
     def __init__(self, path: Path, *, make: bool = True, policy: LatePolicy | None = None) -> None:
         self.problems: list[str] = []
+        self._command: tuple[str, str, str] | None = None  # words, who and when, while it runs
+        self._number: int | None = None  # of the command, once it has written something
         self.path = path if path.suffix == ".sqlite" else path / NAME
         if not make and not self.path.is_file():
             raise JournalError(f"there is no journal {self.path}: `nao-course grade ... --out` makes it")
@@ -476,13 +478,14 @@ class Journal:
     @contextmanager
     def command(self, words: str, given_by: str) -> Iterator[None]:
         """Remember what a person's command replaces in the journal, so that `undo` can take it back."""
-        with self._writing():
-            number = undo.begin(self._database, words, given_by, now())
+        self._command = (words, given_by, now())
         try:
             yield
         finally:
-            with self._writing():
-                undo.end(self._database, number)
+            number, self._command, self._number = self._number, None, None
+            if number is not None:
+                with self._writing():
+                    undo.end(self._database, number)
 
     def undo(self) -> str:
         """Take back the last command, and return its words. Raise a JournalError if there is none."""
@@ -537,8 +540,12 @@ class Journal:
         with self._errors_in_words("write"):
             self._database.execute("BEGIN IMMEDIATE")
             try:
+                number = self._number
+                if self._command and number is None:  # a command that is refused writes nothing
+                    number = undo.begin(self._database, *self._command)
                 yield
                 self._database.execute("COMMIT")
+                self._number = number
             except BaseException:
                 if self._database.in_transaction:  # SQLite may have ended it itself, as when the disk is full
                     self._database.execute("ROLLBACK")

@@ -33,7 +33,7 @@ def begin(database: Connection, words: str, given_by: str, time: str) -> int:
 def end(database: Connection, number: int) -> None:
     """Stop to keep what is replaced.
 
-    A command that changed nothing is forgotten, and so is one that another grader's run made impossible to undo.
+    A command that changed nothing is forgotten, and so is a command during which another run of the grader began.
     """
     for table in _TABLES:
         for change in ("INSERT", "UPDATE", "DELETE"):

@@ -293,9 +293,10 @@ def read_marks(journal: Journal, path: Path, code: Code, given_by: str = "") -> 
         raise MarksError(
             f"there is no {path}: `nao-course marks GRADES` writes the sheets to GRADES/{FOLDER}/"
         )
+    answers = _answers(journal, code, is_second=False)
     rows = read_table(path, HEADER, MORE)
-    is_second = any(row["marking"] == SECOND for row in rows)
-    answers = _answers(journal, code, is_second=is_second)
+    if is_second := any(row["marking"] == SECOND for row in rows):
+        answers = _answers(journal, code, is_second=True)
     known = _by_key(answers)
     marks: dict[Key, tuple[int, Mark]] = {}
     problems = [problem for row in rows for problem in _take(row, known, marks, given_by)]
