@@ -16,9 +16,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from nao_course.instructor.collecting.layouts import person_in
-from nao_course.instructor.collecting.roster import Roster, Student, is_nameless, said_of
-from nao_course.instructor.gradebook import undo
+from nao_course.instructor.collecting.roster import Roster, Student, is_nameless
+from nao_course.instructor.gradebook import tables, undo
 from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.gradebook.records import (
     Comment,
@@ -27,20 +26,10 @@ from nao_course.instructor.gradebook.records import (
     Request,
     SubmissionResult,
     as_json,
-    fingerprint,
     from_json,
     now,
 )
-from nao_course.instructor.gradebook.tables import (
-    APPLICATION,
-    OF_STUDENTS,
-    RESULT_COLUMNS,
-    VERSION,
-    VERSION_1,
-    VERSION_2,
-    VERSION_3,
-    VERSION_4,
-)
+from nao_course.instructor.gradebook.tables import APPLICATION, OF_STUDENTS, RESULT_COLUMNS, VERSION
 
 Decision = Override | Mark | Comment | Request
 D = TypeVar("D", Override, Mark, Comment, Request)
@@ -99,8 +88,7 @@ class Journal:
         if new:
             with self._writing():  # another grader may have been faster
                 if not self._all("SELECT name FROM sqlite_master"):
-                    for statements in (VERSION_1, VERSION_2, VERSION_3, VERSION_4):
-                        self._run(statements)
+                    tables.create(self._database)
             application, version = self._pragma("application_id"), self._pragma("user_version")
         if application != APPLICATION:
             raise JournalError(f"{self.path} is an SQLite file, but no journal of this course: move it away")
@@ -112,49 +100,8 @@ class Journal:
             self._database.execute("PRAGMA journal_mode = WAL")
         if version < VERSION:
             with self._writing():
-                if self._pragma("user_version") < 2:
-                    self._run(VERSION_2)
-                    self._decide_on_present_answers()
-                if self._pragma("user_version") < 3:
-                    self._run(VERSION_3)
-                    self._know_present_students()
-                if self._pragma("user_version") < 4:
-                    self._run(VERSION_4)
-
-    def _run(self, statements: str) -> None:
-        for statement in statements.split(";"):
-            self._database.execute(statement)
-
-    def _decide_on_present_answers(self) -> None:
-        """Assign the decisions of an older journal, which do not name their answers, to the present answers."""
-        for result in self.each_result():
-            key = (result.student, result.lesson)
-            of_key = "WHERE student = ? AND lesson = ?"
-            self._database.execute(f"UPDATE requests SET decided_on = ? {of_key}", (result.submission, *key))
-            for each in result.exercises:
-                self._database.execute(
-                    f"UPDATE overrides SET decided_on = ?, earned = ? {of_key} AND exercise = ?",
-                    (result.submission, each.earned, *key, each.name),
-                )
-                self._database.execute(
-                    "UPDATE comments SET decided_on = ? WHERE lesson = ? AND exercise = ? AND kind = ?",
-                    (fingerprint(each.hint), result.lesson, each.name, each.kind),
-                )
-            for answer in result.written:
-                self._database.execute(
-                    f"UPDATE marks SET decided_on = ? {of_key} AND question = ?",
-                    (answer.fingerprint, *key, answer.name),
-                )
-
-    def _know_present_students(self) -> None:
-        """Record the numbers and names of the students of an older journal, which are in the names of their files."""
-        students: dict[str, Student] = {}
-        for result in self.each_result():
-            if person := person_in(result.file, result.lesson):
-                said = said_of(result.student, person)
-                before = students.get(result.student)
-                students[result.student] = before.joined(said) if before else said
-        self._write_students(students.values())
+                present = self._pragma("user_version")  # another grader may have been faster
+                tables.migrate(self._database, present, self.each_result, self._write_students)
 
     def _pragma(self, name: str) -> int:
         return int(self._all(f"PRAGMA {name}")[0][0])
@@ -469,10 +416,10 @@ class Journal:
 
     def last_change(self, lesson: str) -> str:
         """Return when a result, points or a mark of a lesson last came into the journal; empty if none did."""
-        tables = " UNION ALL ".join(
+        every = " UNION ALL ".join(
             f"SELECT time FROM {table} WHERE lesson = :lesson" for table in ("results", "overrides", "marks")
         )
-        ((time,),) = self._all(f"SELECT ifnull(max(time), '') FROM ({tables})", {"lesson": lesson})
+        ((time,),) = self._all(f"SELECT ifnull(max(time), '') FROM ({every})", {"lesson": lesson})
         return str(time)
 
     @contextmanager
