@@ -358,15 +358,15 @@ def _take(
         yield f"row {row.number}: the answer id {read[:40]!r} must stay as it was written: it says what was marked"
     else:
         text = answer.answer.text if read == own else answer.texts()[read]
-        of = [(answer, read)]
+        of = [(key[0], answer, read)]
         for name in filter(None, map(str.strip, row["same answer"].splitlines())):
             other = _found((name, *key[1:]), known)
             if other is None:
                 yield f"row {row.number}: {_unknown((name, *key[1:]), known)}"
             else:
                 same = [each for each, words in other.texts().items() if _words(words) == _words(text)]
-                of += [(other, each) for each in same[-1:]]
-        for each, decided_on in of:
+                of += [(name, other, each) for each in same[-1:]]
+        for name, each, decided_on in of:
             mark = Mark(
                 each.score.result.student,
                 *key[1:],
@@ -376,16 +376,15 @@ def _take(
                 given_by=given_by,
                 is_second=each.is_second,
             )
-            yield from _refusal(row, each, mark)
+            yield from _refusal(row, name, each, mark)
             before, other_mark = marks.setdefault(each.key, (row.number, mark))
             if not _same(mark, other_mark):
-                yield f"row {row.number}: {each.key[0]!r} has another mark in row {before}"
+                yield f"row {row.number}: {name!r} has another mark in row {before}"
 
 
-def _refusal(row: Row, answer: _Answer, mark: Mark) -> Iterator[str]:
+def _refusal(row: Row, name: str, answer: _Answer, mark: Mark) -> Iterator[str]:
     """Say why a mark may not be taken although it is a number: because of what another person, or the same, gave."""
     first = answer.score.marks.get(answer.answer.name)
-    name = row["student"]
     if answer.is_second and first and first.given_by == mark.given_by != "":
         yield (
             f"row {row.number}: {mark.given_by} gave {name!r} the first mark, too; a second mark is another person's, "

@@ -412,6 +412,16 @@ def test_the_same_words_are_marked_once_for_all_who_wrote_them(journal, tmp_path
     assert len(read_marks(journal, written.table, code, "ben").changed) == 3
     counting = {each.result.student: each.marks for each in all_scores(journal)}
     assert [len(counting[name]) for name in ("ada", "007", "Cleo", "dan")] == [1, 1, 0, 0]
+    journal.mark([mark(0.5, student="dan", text="The moon.", given_by="cleo")])
+    marked(written.table, {row["student"]: "1.5", named("dan"): "1"})
+    with pytest.raises(MarksError, match=f"'{named('dan')}' has 0.5 by cleo since"):
+        read_marks(journal, written.table, code, "ben")
+    marked(written.table, {named("dan"): ""})
+    journal.mark([mark(0.5, student="007", text="the sun.", given_by="cleo")])
+    with pytest.raises(MarksError, match=f"'{named('007')}' has 0.5 by cleo since") as error:
+        read_marks(journal, written.table, code, "ben")
+    assert str(error.value).count("row ") == 1
+    journal.mark([mark(1.5, student="007", text="the sun.", given_by="ben")])
     journal.keep(replace(result("eve", exercise(), answer(text="The sun.")), submission="later"))
     (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=anonymous)
     text = Page(written.page.read_text("utf-8")).text
