@@ -49,7 +49,9 @@ def _platform(
 ) -> Iterator[str]:
     """Fill in a platform's sheet and make the zip of feedback."""
     if sheet is None:
-        raise exports.ExportError(f"{platform}'s own sheet is filled in: say --sheet THEIRS.csv")
+        raise exports.ExportError(
+            f"{platforms.NAMES[platform]}'s own sheet is filled in: say --sheet THEIRS.csv"
+        )
     name = graded_lesson(journal, lesson) or only_lesson(journal)
     made = all_scores(journal, name)
     roster = journal.roster()

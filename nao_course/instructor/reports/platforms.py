@@ -70,6 +70,7 @@ _FORMS = {
     "google": _Form(r"(?!(?:last|first) name|email address).+", others=("date", MAXIMA, "class average")),
 }
 PLATFORMS = ("moodle", "canvas", *_FORMS)
+NAMES = {each: each.title() for each in PLATFORMS} | {"ilias": "ILIAS", "google": "Google Classroom"}
 
 
 @dataclass(frozen=True)
@@ -214,8 +215,8 @@ def _as_taken(
 def _other_maximum(platform: str, file: str, maximum: str, some: Score, worth: float) -> str:
     """Return the message for a platform's maximum that is not the lesson's."""
     return (
-        f"{file}: the maximum in {platform.title()} is {number(_value(maximum))} points, and {some.result.lesson} "
-        f"is worth {number(worth)}. Set the maximum in {platform.title()} to {number(worth)} and download the sheet "
+        f"{file}: the maximum in {NAMES[platform]} is {number(_value(maximum))} points, and {some.result.lesson} "
+        f"is worth {number(worth)}. Set the maximum in {NAMES[platform]} to {number(worth)} and download the sheet "
         "again, or scale the points with --scale"
     )
 
@@ -280,9 +281,9 @@ def _columns_of(
     keys = tuple(at for at, name in enumerate(names) if name in known)
     points = [at for at, name in enumerate(names) if at not in keys and re.fullmatch(form.points, name)]
     if not keys or not points:
-        what = "a column with points" if keys else "a login, e-mail address or number of the students"
+        what = "for points" if keys else "with logins, e-mail addresses or numbers of the students"
         raise TableError(
-            f"{file} is not {platform.title()}'s sheet of grades: it has no column for {what}. It has "
+            f"{file} is not {NAMES[platform]}'s sheet of grades: it has no column {what}. It has "
             f"{', '.join(header)[:500]}"
         )
     if not wanted and len(points) > 1:

@@ -265,17 +265,12 @@ def test_each_platform_gets_its_sheet_back_with_the_points_and_all_else_as_it_wa
             "the maximum in Brightspace is 100 points.*--scale",
         ),
         ("blackboard", "Total Pts: 2 ", "Total Pts: up to 100 ", "the maximum in Blackboard is 100 points"),
-        ("google", "Points,2", "Points,100", "the maximum in Google is 100 points"),
+        ("google", "Points,2", "Points,100", "the maximum in Google Classroom is 100 points"),
         ("google", "Lovelace,Ada,ADA", "Lovelace,Ada,eve", None),
         ("blackboard", '"unknown"\t"s001"', '"zofie"\t""', "rows 2 and 3: both have the number Žofie"),
-        (
-            "ilias",
-            ";mark;",
-            ";note;",
-            "is not Ilias's sheet of grades: it has no column for a column with points",
-        ),
+        ("ilias", ";mark;", ";note;", "is not ILIAS's sheet of grades: it has no column for points"),
         ("blackboard", "Username", "Nickname", None),
-        ("google", "Email Address", "Address", "no column for a login, e-mail address or number"),
+        ("google", "Email Address", "Address", "no column with logins, e-mail addresses or numbers"),
     ],
 )
 def test_what_is_no_sheet_of_the_platform_or_names_a_student_twice_is_refused(
