@@ -336,7 +336,9 @@ def _progress() -> Progress:
 def release(
     out: Path = typer.Option(..., help="Folder for the archive."),
     students: Path | None = typer.Option(
-        None, help="File with a student's name in each line; each of them gets an archive with personal data."
+        None,
+        help="Folder of grades, or file with a student's name in each line; each of them gets an archive with personal "
+        "data.",
     ),
     prove: bool = _PROVE,
 ) -> None:
@@ -369,6 +371,8 @@ def mutate(lesson: str, jobs: int = typer.Option(os.cpu_count() or 2, help="Proc
 
 
 # --- grading ---
+
+_BY: str = typer.Option("", metavar="NAME", help="Who decides; by default your login.")
 
 
 @app.command(hidden=_STUDENTS)
@@ -433,19 +437,54 @@ def regrade(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
     student: str = typer.Option(..., help="Student whose submission is graded again."),
     lesson: str = typer.Option("", help="Number of the lesson, if the student handed in several."),
-    points: str = typer.Option("", "--set", metavar="EXERCISE=POINTS", help="New points of an exercise."),
+    points: str = typer.Option(
+        "", "--set", metavar="EXERCISE=POINTS", help="New points of an exercise or a written answer."
+    ),
+    unset: str = typer.Option("", metavar="EXERCISE", help="Take back the points that people gave."),
     keep: str = typer.Option("", metavar="EXERCISE", help="Answer a request without a change of points."),
     reason: str = typer.Option("", help="Reason, which the student reads; required with --set and --keep."),
+    by: str = _BY,
 ) -> None:
     """Grade a student's submission again, or set points by hand with a reason (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import class_commands, commands
+        from nao_course.instructor import commands, decision_commands
 
-        if keep:
-            for line in class_commands.keep_points(grades, student, keep, reason):
-                _say(line)
+        if sum(map(bool, (points, unset, keep))) > 1:
+            raise ValueError("give one of --set, --unset and --keep at a time")
+        if points:
+            lines = decision_commands.set_points(grades, student, lesson, points, reason, by)
+        elif unset:
+            lines = decision_commands.unset_points(grades, student, lesson, unset, by)
+        elif keep:
+            lines = decision_commands.keep_points(grades, student, keep, reason, by)
+        else:
+            commands.regrade_student(console, grades, student, lesson)
             return
-        commands.regrade_student(console, grades, student, lesson, points, reason)
+        for line in lines:
+            _say(line)
+
+
+@app.command(hidden=_STUDENTS)
+def undo(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
+    """Take back the last marks, comments, points, requests or change of students (instructors)."""
+    with _errors_in_words():
+        from nao_course.instructor import decision_commands
+
+        for line in decision_commands.undo(grades):
+            _say(line)
+
+
+@app.command(hidden=_STUDENTS)
+def history(
+    grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
+    student: str = typer.Option(..., help="Any name of the student."),
+) -> None:
+    """Write a page with everything that was graded and decided for a student (instructors)."""
+    with _errors_in_words():
+        from nao_course.instructor import decision_commands
+
+        for line in decision_commands.history(grades, student):
+            _say(line)
 
 
 @app.command(hidden=_STUDENTS)
@@ -466,17 +505,19 @@ def requests(
 @app.command(hidden=_STUDENTS)
 def export(
     grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
-    format_: str = typer.Option(..., "--format", help="csv, gradescope, moodle or canvas."),
+    format_: str = typer.Option(
+        ..., "--format", help="csv, json, or a platform's name; another word lists all."
+    ),
     lesson: str = typer.Option("", help="Number of a lesson; by default all."),
-    sheet: Path = typer.Option(None, help="Sheet of Moodle or Canvas to fill in."),
+    sheet: Path = typer.Option(None, help="The platform's own sheet of grades, to be filled in."),
     column: str = typer.Option("", help="Column of that sheet for the points, or the beginning of its name."),
     scale: bool = typer.Option(False, "--scale", help="Scale points to the maximum in that sheet."),
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import commands
+        from nao_course.instructor import export_commands
 
-        for line in commands.export(grades, format_, lesson, sheet, column, scale=scale):
+        for line in export_commands.export(grades, format_, lesson, sheet, column, scale=scale):
             _say(line)
 
 
@@ -495,18 +536,27 @@ def marks(
         help="Names in students' copies, if they differ: a CSV file with columns student and world, or the platform's "
         "sheet that release was given.",
     ),
+    by: str = _BY,
+    split: int = typer.Option(1, min=1, help="Divide each question's answers among this many markers."),
+    double: bool = typer.Option(
+        False,
+        "--double",
+        help="Write another sheet for a second marker; where two marks differ, it is listed.",
+    ),
 ) -> None:
     """Write sheets for marking the written answers, or read a completed sheet (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import class_commands, commands
+        from nao_course.instructor import marking_commands
         from nao_course.instructor.reports.comment_sheets import is_comment_sheet
 
         if file and is_comment_sheet(file):
-            lines = class_commands.read_comments(grades, file)
+            lines = marking_commands.read_comments(grades, file, by)
         elif comments and not file:
-            lines = class_commands.write_comment_sheets(grades, anonymous=anonymous)
+            lines = marking_commands.write_comment_sheets(grades, anonymous=anonymous)
         else:
-            lines = commands.marks(grades, file, anonymous=anonymous, worlds=worlds)
+            lines = marking_commands.marks(
+                grades, file, anonymous=anonymous, worlds=worlds, by=by, parts=split, double=double
+            )
         for line in lines:
             _say(line)
 
@@ -518,6 +568,16 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
         from nao_course.instructor import class_commands
 
         for line in class_commands.report(grades):
+            _say(line)
+
+
+@app.command(hidden=_STUDENTS)
+def status(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
+    """List who handed in, what waits for marks or answers, and what to do next; also as a page (instructors)."""
+    with _errors_in_words():
+        from nao_course.instructor import class_commands
+
+        for line in class_commands.status(console, grades):
             _say(line)
 
 

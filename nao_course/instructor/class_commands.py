@@ -1,30 +1,30 @@
-"""What the commands about a whole class do and say: report, comments, and requests to look again."""
+"""What the commands about a whole class do and say: report, status, and requests to look again."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache, partial
 from pathlib import Path
 
 import typer
+from rich.console import Console
+from rich.table import Table
 
 from nao_course._internal.counts import say_count
 from nao_course.homework import REQUEST
 from nao_course.instructor import submission_times
 from nao_course.instructor.authoring.course import load_course
-from nao_course.instructor.autograding.batch import feedback_writer
 from nao_course.instructor.autograding.scratch import scratch_folder
-from nao_course.instructor.autograding.secret import load_secret, student_code
-from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.requests import AskedAbout, request_files, requests_in
-from nao_course.instructor.commands import handed_in_before, list_problems, results_of, without_result
-from nao_course.instructor.feedback_pages import FEEDBACK, write_pages
+from nao_course.instructor.feedback_pages import write_pages
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import Request, SubmissionResult
-from nao_course.instructor.reports import comment_sheets
+from nao_course.instructor.gradebook.records import Request
+from nao_course.instructor.looking_up import list_problems, login, results_of, without_result
+from nao_course.instructor.reports import exports
+from nao_course.instructor.reports import status as status_report
 from nao_course.instructor.reports.class_report import write_report
-from nao_course.instructor.reports.html import visible
-from nao_course.instructor.similarity.own_code import defining_cell, own_code
+from nao_course.instructor.reports.html import visible, write_whole
+
+STATUS = "status.html"  # in GRADES
 
 _HOW_TO_ASK = (
     f"This part of your {REQUEST} could not be read. Write the name of an exercise of this course, a colon and your "
@@ -47,52 +47,21 @@ def report(grades: Path) -> Iterator[str]:
         yield from list_problems(journal)
 
 
-def write_comment_sheets(grades: Path, *, anonymous: bool = False) -> Iterator[str]:
-    """Write a page and a table for each exercise with wrong answers; yield what to say about it.
+def status(console: Console, grades: Path) -> Iterator[str]:
+    """Print a table of what waits for a person, and write GRADES/status.html; yield what to do next.
 
-    Raise a ValueError if there is no journal, or a table has comments that were not read in.
-    """
-    course = load_course()
-    named = partial(student_code, load_secret()) if anonymous else str
-    with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
-        lessons = sorted({each.lesson for each in journal.each_result()})
-        submissions = handed_in_before(course, journal, scratch, lessons)
-
-        @cache
-        def cells(student: str, lesson: str) -> tuple[str, ...]:
-            try:
-                return own_code(submissions[student, lesson]).cells
-            except (KeyError, Refused, OSError):
-                return ()
-
-        def code_of(result: SubmissionResult, exercise: str) -> str:
-            return defining_cell(cells(result.student, result.lesson), exercise)
-
-        written = comment_sheets.write_comment_sheets(journal, grades / comment_sheets.FOLDER, code_of, named)
-    for path, kinds, answers in written:
-        yield f"wrote {path} and .html: {say_count(answers, 'wrong answer')} of {say_count(kinds, 'kind')}"
-    if written:
-        yield "Fill in comments, save as CSV, and say nao-course marks GRADES FILE."
-    else:
-        yield "There is no wrong answer to comment on."
-
-
-def read_comments(grades: Path, file: Path) -> Iterator[str]:
-    """Read a table of comments and renew the feedback; yield what to say about it.
-
-    Raise a ValueError if there is no journal, or if anything in the file is wrong, so that nothing is read in.
+    Raise a ValueError if there is no journal.
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
-        changed = {
-            (each.lesson, each.exercise, each.kind) for each in comment_sheets.read_comments(journal, file)
-        }
-        concerned = (
-            result
-            for result in journal.each_result()
-            if any((result.lesson, each.name, each.kind) in changed for each in result.exercises)
-        )
-        pages = write_pages(journal, grades, concerned)
-        yield f"{say_count(len(changed), 'comment')} new or changed, on {say_count(len(pages), 'feedback page')}"
+        lessons = sorted({each.lesson for each in journal.each_result()})
+        found = status_report.status(journal, exports.last_exports(grades / exports.FOLDER, lessons))
+        header, *rows = status_report.status_table(found)
+        table = Table(*header)
+        for row in rows:
+            table.add_row(*row)
+        console.print(table)
+        yield from status_report.what_to_do(found) or ["Nothing waits for you."]
+        yield f"wrote {write_whole(grades / STATUS, status_report.status_page(found))}"
         yield from list_problems(journal)
 
 
@@ -123,7 +92,8 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
                         found += [Request(student, each.lesson, "", told, _HOW_TO_ASK) for each in results]
                     unread += [f"{student}: {line}" for line in lost]
             unread += [problem for student, problem in problems if not student]
-            new = {(each.student, each.lesson) for each in journal.request(found)}
+            with journal.command(f"requests {submissions}", login()):
+                new = {(each.student, each.lesson) for each in journal.request(found)}
             write_pages(journal, grades, results_of(journal, sorted(new)))
             yield from (f"NOT READ: {each}" for each in unread)
         waiting = [each for each in journal.requests() if not each.answer]
@@ -138,25 +108,3 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
     yield from list_problems(journal)
     if unread:
         raise typer.Exit(1)
-
-
-def keep_points(grades: Path, student: str, exercise: str, reason: str) -> Iterator[str]:
-    """Answer a request without a change of points; yield what to say about it.
-
-    Raise a ValueError if there is no such open request, or no reason.
-    """
-    if not reason.strip():
-        raise ValueError("say why with --reason: the journal keeps it, and the student reads it")
-    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
-        answered = [
-            result
-            for result in journal.each_result(student=journal.roster().meant(student) or "")
-            if journal.answer(
-                result.student, result.lesson, exercise, reason.strip(), result.answer_to(exercise)
-            )
-        ]
-        if not answered:
-            raise ValueError(f"there is no open request of {student!r} about {exercise!r}")
-        for result in answered:
-            page = feedback_writer(journal, grades / FEEDBACK)(result)
-            yield f"{student}, {exercise}: the points stay. {page} gives the reason."

@@ -1,13 +1,11 @@
-"""What the instructor's commands do and say: grade, regrade, export, marks, report."""
+"""What the commands that grade do and say: grade, and regrade without points."""
 
 from __future__ import annotations
 
-import difflib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import typer
@@ -17,15 +15,14 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from nao_course._internal.counts import say_count
-from nao_course.exercises import lesson_names
 from nao_course.exercises.versions import in_words, installed_versions, newer_than_here
 from nao_course.instructor import student_commands, submission_times
 from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
-from nao_course.instructor.autograding.batch import LessonSummary, Summary, feedback_writer, summarise
+from nao_course.instructor.autograding.batch import LessonSummary, Summary, summarise
 from nao_course.instructor.autograding.scratch import scratch_folder
-from nao_course.instructor.autograding.secret import load_secret, student_code
+from nao_course.instructor.autograding.secret import load_secret
 from nao_course.instructor.autograding.session import Machines, open_session
 from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.roster import Roster
@@ -39,11 +36,9 @@ from nao_course.instructor.collecting.submissions import (
 )
 from nao_course.instructor.feedback_pages import FEEDBACK, write_pages
 from nao_course.instructor.gradebook.journal import Journal, JournalError
-from nao_course.instructor.gradebook.records import Override, SubmissionResult
-from nao_course.instructor.gradebook.scores import all_scores
-from nao_course.instructor.personal_numbers import PersonalNumbers
-from nao_course.instructor.reports import exports, marking_sheets, platforms
-from nao_course.instructor.reports.feedback import feedback_page
+from nao_course.instructor.gradebook.records import SubmissionResult
+from nao_course.instructor.looking_up import result_of, results_of
+from nao_course.instructor.reports import status
 from nao_course.instructor.reports.html import write_whole
 
 NOT_GRADED = "not_graded.txt"
@@ -93,7 +88,7 @@ def grade_folder(
             _list(console, _not_counted(found))
             console.print("Nothing was graded or written.")
         else:
-            _refuse_what_is_not_built(course, names)
+            refuse_edited_lessons(course, names)
             with Journal(out, policy=course.late_policy) as journal:
                 journal.began(path)
                 if given:
@@ -154,7 +149,7 @@ def _roster(out: Path) -> Roster:
     return Roster()
 
 
-def _refuse_what_is_not_built(course: Course, names: Sequence[str]) -> None:
+def refuse_edited_lessons(course: Course, names: Sequence[str]) -> None:
     """Refuse lessons that were edited since they were built, and earlier lessons they use that were."""
     refuse_what_is_not_built(course, names)
     refuse_what_is_not_built(course, sorted({used for name in names for used in lessons_used(course, name)}))
@@ -254,11 +249,14 @@ def _show(
     table.add_row("graded", str(summary.graded))
     table.add_row("refused", str(len(summary.refused)))
     table.add_row("unchanged", str(summary.unchanged))
-    changed, untimed = list[str](), list[str]()
+    changed, untimed, lowering = list[str](), list[str](), list[str]()
     for lesson in sorted(lessons):
         about = summarise(journal, lesson)
         table.add_row(f"{lesson}, mean so far", _mean(about))
         changed += list(_changed(lesson, about))
+        lowering += [
+            f"{lesson}: {line}" for score in about.lowering for line in status.lowering_in_words(score)
+        ]
         untimed += list(submission_times.without_time(journal, lesson))
     console.print(table)
     reasons = [f"{each.student}, {each.lesson}: {each.reason}" for each in summary.refused]
@@ -271,6 +269,7 @@ def _show(
             ("Too slow, or not run", summary.too_slow),
             ("Seen by the sandbox", summary.attempts),
             ("Decisions on earlier answers", changed),
+            ("Points by hand below the grader's (take back with nao-course regrade --unset)", lowering),
             ("NO TIME, so nothing is late", untimed),
             ("FAILED for one student", journal.problems),
             *_not_counted(found, summary)[2:],
@@ -341,27 +340,14 @@ def _list_not_graded(console: Console, not_graded: Sequence[str], file: Path) ->
 # --- one student ---
 
 
-def regrade_student(
-    console: Console, grades: Path, student: str, lesson: str, points: str, reason: str
-) -> None:
-    """Give a student's exercise other points, or grade the submission again.
+def regrade_student(console: Console, grades: Path, student: str, lesson: str) -> None:
+    """Grade a student's submission again.
 
-    Raise a ValueError if there is no such result or exercise, points are out of range, or there is no reason for them;
-    exit with status 1 if the submission could not be graded.
+    Raise a ValueError if there is no such result; exit with status 1 if the submission could not be graded.
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
-        result = _result_of(journal, student, lesson)
-        if points:
-            change = override(result, points, reason)
-            journal.override(change)
-            journal.answer(result.student, result.lesson, change.exercise, change.reason, change.decided_on)
-            page = feedback_writer(journal, grades / FEEDBACK)(result)
-            console.print(
-                f"{escape(student)}, {result.lesson}: {change.exercise} counts {change.points:g} points from now on. "
-                f"{escape(str(page))} says so."
-            )
-            return
-        _refuse_what_is_not_built(course := load_course(), course.names([result.lesson]))
+        result = result_of(journal, student, lesson)
+        refuse_edited_lessons(course := load_course(), course.names([result.lesson]))
         journal.want_again(result.student, result.lesson)
         places = [each for each in journal.places() if each.exists()]
         if not places:
@@ -379,14 +365,6 @@ def regrade_student(
         raise typer.Exit(1)
 
 
-def list_problems(journal: Journal) -> Iterator[str]:
-    """Yield what failed for single students; end the command with status 1 after it."""
-    if journal.problems:
-        yield f"FAILED for {say_count(len(journal.problems), 'student')}; everything else is done:"
-        yield from journal.problems
-        raise typer.Exit(1)
-
-
 def _handed_in(
     places: Iterable[Path], scratch: Path, result: SubmissionResult, known: Roster
 ) -> list[Submission]:
@@ -399,198 +377,3 @@ def _handed_in(
         if mine and (not found.wrapper or known.is_listed or submission_hash(mine[0]) == result.submission):
             return mine
     return []
-
-
-def _result_of(journal: Journal, student: str, lesson: str) -> SubmissionResult:
-    """Return the only result that matches."""
-    results = list(journal.each_result(student=journal.roster().meant(student) or ""))
-    if not results:
-        names = {each.student for each in journal.each_result()}
-        near = difflib.get_close_matches(student, names, 3)
-        hint = f"; is it {' or '.join(map(repr, near))}?" if near else ""
-        raise ValueError(f"the journal has no result of {student!r}{hint}")
-    there = [each.lesson for each in results]
-    meant = [each for each in results if not lesson or each.lesson in lesson_names.meant(lesson, there)]
-    if len(meant) != 1:
-        raise ValueError(f"say which lesson of {student!r} with --lesson: there are {', '.join(there)}")
-    return meant[0]
-
-
-def override(result: SubmissionResult, change: str, reason: str) -> Override:
-    """Read EXERCISE=POINTS; raise a ValueError for an unknown exercise, no reason, or points not in 0..its worth."""
-    name, _, number = change.partition("=")
-    worth = {each.name: each.points for each in result.exercises}
-    earned = {each.name: each.earned for each in result.exercises}
-    if name not in worth:
-        raise ValueError(f"{result.lesson} has no exercise {name!r}; it has {', '.join(worth)}")
-    try:
-        points = float(number)
-    except ValueError:
-        raise ValueError(f"--set wants EXERCISE=POINTS, such as {name}=1.5; got {change!r}") from None
-    if not 0 <= points <= worth[name]:
-        raise ValueError(f"{name} is worth 0 to {worth[name]:g} points, got {number}")
-    if not reason.strip():
-        raise ValueError("say why with --reason: the journal keeps it, and the student reads it")
-    return Override(
-        result.student,
-        result.lesson,
-        name,
-        points,
-        reason.strip(),
-        decided_on=result.answer_to(name),
-        earned=earned[name],
-    )
-
-
-# --- for other systems and for people ---
-
-
-def export(
-    grades: Path,
-    format_: str,
-    lesson: str = "",
-    sheet: Path | None = None,
-    column: str = "",
-    *,
-    scale: bool = False,
-) -> Iterator[str]:
-    """Write grades of a lesson, or of all, for another system in one of `exports.FORMATS`; yield what to say about it.
-
-    A platform's own sheet is filled in, with the points in its column, scaled to the sheet's maximum with `scale`.
-    Raise a ValueError if there is no such format, journal, lesson or sheet.
-    """
-    if exports.check_format(format_) == "gradescope":
-        yield from _gradescope(grades, lesson)
-        return
-    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
-        if format_ in platforms.PLATFORMS:
-            yield from _platform(journal, grades, format_, lesson, sheet, column, scale)
-        else:
-            yield f"wrote {exports.write_csv(journal, grades / exports.FOLDER, _lesson(journal, lesson))}"
-        yield from list_problems(journal)
-
-
-def _platform(
-    journal: Journal, grades: Path, platform: str, lesson: str, sheet: Path | None, column: str, scale: bool
-) -> Iterator[str]:
-    """Fill in a platform's sheet and make the zip of feedback."""
-    if sheet is None:
-        raise exports.ExportError(f"{platform}'s own sheet is filled in: say --sheet THEIRS.csv")
-    name = _lesson(journal, lesson) or _only_lesson(journal)
-    made = all_scores(journal, name)
-    roster = journal.roster()
-    filled = platforms.fill_sheet(platform, sheet, made, column, roster=roster, scale=scale)
-    folder = grades / exports.FOLDER
-    path = write_whole(folder / f"{platform}_{name}.csv", filled.table)
-    yield f"wrote {path}: {say_count(filled.filled, 'row')} filled in"
-    pages = []
-    for each in made:
-        with journal.for_one(each.result.student, name, "the feedback page is not in the zip"):
-            pages.append((each.result, feedback_page(each).encode()))
-    archive, without = platforms.feedback_zip(platform, pages, roster)
-    path = write_whole(folder / f"{platform}_feedback_{name}.zip", archive)
-    yield f"wrote {path}: for {platforms.UPLOADS[platform]}"
-    for said, who in (
-        ("Graded, but in no row", filled.without_row),
-        ("Not graded", filled.without_grade),
-        ("Not in the zip of feedback, because the file's name is not the platform's", without),
-    ):
-        if who:
-            yield f"{said}: {', '.join(who)}"
-
-
-def _only_lesson(journal: Journal) -> str:
-    there = sorted({each.lesson for each in journal.each_result()})
-    if len(there) != 1:
-        raise JournalError(f"say which lesson: --lesson NN; graded are {', '.join(there) or 'none'}")
-    return there[0]
-
-
-def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
-    from nao_course.instructor.gradescope import write_autograder
-
-    course, secret = load_course(), load_secret()
-    wanted = course.names([lesson]) if lesson else []
-    folder = grades / exports.FOLDER / "gradescope"
-    with Journal(
-        grades, policy=course.late_policy
-    ) as journal:  # an autograder can be made before anything was graded
-        graded = sorted({each.lesson for each in journal.each_result()})
-        names = wanted or course.names(graded)
-        _refuse_what_is_not_built(course, names)
-        for name in names:
-            written = exports.write_gradescope(journal, folder, name)
-            yield f"wrote {say_count(len(written), 'result')} into {folder / name}"
-            yield f"wrote {write_autograder(course, name, secret, folder)}"
-    yield "An autograder's zip holds the solution: upload it to Gradescope, and give it to nobody."
-    yield from list_problems(journal)
-
-
-def _lesson(journal: Journal, wanted: str) -> str | None:
-    """Return the full name of a graded lesson; None for all lessons."""
-    if not wanted:
-        return None
-    there = sorted({each.lesson for each in journal.each_result()})
-    meant = lesson_names.meant(wanted, there)
-    if not meant:
-        raise JournalError(f"no lesson {wanted!r} was graded; there are {', '.join(there) or 'none'}")
-    return meant[0]
-
-
-def marks(
-    grades: Path, file: Path | None, *, anonymous: bool = False, worlds: Path | None = None
-) -> Iterator[str]:
-    """Write the marking sheets, or read one back and renew the feedback; yield what to say about it.
-
-    An `anonymous` sheet names students by codes; `worlds` is a CSV file with the names in the students' copies, by the
-    names in the gradebook. Raise a ValueError if there is no journal, or if anything in the file is wrong, so that
-    nothing is read in.
-    """
-    with Journal(grades, make=False, policy=load_course().late_policy) as journal:
-        if file is None:
-            copies = student_commands.names_in_copies(worlds, journal.roster()) if worlds else {}
-            if worlds:
-                yield from without_result(worlds.name, copies, journal)
-            yield from _sheets(journal, grades, anonymous, copies)
-            return
-        taken = marking_sheets.read_marks(journal, file, partial(student_code, load_secret()))
-        yield f"{say_count(taken.read, 'mark')} read, {len(taken.changed)} of them new or changed"
-        changed = sorted({(each.student, each.lesson) for each in taken.changed})
-        write_pages(journal, grades, results_of(journal, changed))
-        if taken.open:
-            names = ", ".join(student for student, _ in taken.open[:_SHOWN])
-            more = f" and {len(taken.open) - _SHOWN} more" if len(taken.open) > _SHOWN else ""
-            yield f"Still to mark: {say_count(len(taken.open), 'answer')} ({names}{more})"
-        else:
-            yield "Nothing is left to mark in it."
-        yield from list_problems(journal)
-
-
-def results_of(journal: Journal, keys: Iterable[tuple[str, str]]) -> Iterator[SubmissionResult]:
-    """Yield the results of students in lessons."""
-    for student, lesson in keys:
-        yield from journal.each_result(lesson, student)
-
-
-def without_result(where: str, names: Iterable[str], journal: Journal) -> Iterator[str]:
-    """Yield a line for each name of a file that no student with a result has: it may be misspelt."""
-    students = journal.students()
-    for name in sorted(set(names) - students):
-        near = difflib.get_close_matches(name, students, 1)
-        hint = f"; is it {near[0]!r}?" if near else ""
-        yield f"{where}: {name!r} has no result{hint}"
-
-
-def _sheets(journal: Journal, grades: Path, anonymous: bool, worlds: Mapping[str, str]) -> Iterator[str]:
-    folder = grades / marking_sheets.FOLDER
-    code = partial(student_code, load_secret())
-    numbers = PersonalNumbers(load_course(), folder / "personal_numbers.json", worlds)
-    numbers.compute(journal.results())
-    written = marking_sheets.write_sheets(journal, folder, code, anonymous=anonymous, numbers=numbers)
-    for each in written:
-        yield f"wrote {each.table} and .html: {say_count(each.answers, 'answer')}, {each.open} to mark"
-    if written:
-        yield "Fill in points and comment, save as CSV, and say nao-course marks GRADES FILE."
-    else:
-        yield "No written question has been handed in: there is nothing to mark."
-    yield from list_problems(journal)

@@ -17,7 +17,9 @@ from nao_course.instructor.collecting.roster import Roster, Student
 from nao_course.instructor.collecting.sheets import Sheet, read_sheet
 from nao_course.instructor.feedback_pages import folder_of, write_pages
 from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.looking_up import login
 from nao_course.instructor.personal_numbers import read_worlds
+from nao_course.instructor.reports.history import page_of
 from nao_course.instructor.reports.html import write_whole
 from nao_course.instructor.reports.spreadsheets import table
 
@@ -41,7 +43,15 @@ def students(
     ValueError if a name or the sheet does not fit.
     """
     course = load_course()
-    with Journal(grades, make=sheet is not None, policy=course.late_policy) as journal:
+    words = " ".join(
+        f"--{name} {value if isinstance(value, Path | str) else ' '.join(value)}"
+        for name, value in (("sheet", sheet), ("same", same), ("new", new), ("rename", rename))
+        if value
+    )
+    with (
+        Journal(grades, make=sheet is not None, policy=course.late_policy) as journal,
+        journal.command(f"students {words}", login()),
+    ):
         if sheet:
             (name,) = course.names([lesson]) if lesson else [""]
             given = read_sheet(sheet, name)
@@ -57,6 +67,7 @@ def students(
             if rename[1] in journal.roster().students:
                 raise ValueError(f"there is a student {rename[1]!r} already. If they are one, say --same")
             yield from _rename(journal, grades, _meant(journal.roster(), rename[0]), rename[1])
+    with Journal(grades, make=False, policy=course.late_policy) as journal:
         if forget:
             yield from _forget(journal, grades, _meant(journal.roster(), forget))
         yield from _list(journal, grades)
@@ -110,7 +121,7 @@ def _list(journal: Journal, grades: Path) -> Iterator[str]:
         more = ", ".join(filter(None, [*(cell for cell in row[1:5] if cell != row[0]), row[5]]))
         yield f"{row[0]}{': ' if more else ''}{more}"
     path = write_whole(grades / LIST, table([header, *rows]))
-    yield f"wrote {path}: {say_count(len(rows), 'student')}; nao-course release --students takes it as it is"
+    yield f"wrote {path}: {say_count(len(rows), 'student')}; nao-course release --students {grades} uses these names"
 
 
 def _meant(roster: Roster, word: str) -> str:
@@ -145,6 +156,7 @@ def _rename(journal: Journal, grades: Path, old: str, new: str) -> Iterator[str]
     both = journal.rename(old, new)
     if old != new:
         shutil.rmtree(folder_of(grades, old), ignore_errors=True)
+        page_of(grades, old).unlink(missing_ok=True)
     write_pages(journal, grades, journal.each_result(student=new))
     yield f"{old} is {new}."
     if both:
@@ -161,6 +173,7 @@ def _forget(journal: Journal, grades: Path, student: str) -> Iterator[str]:
     extensions = journal.policy.extensions if journal.policy else {}
     journal.forget(student)
     shutil.rmtree(folder_of(grades, student), ignore_errors=True)
+    page_of(grades, student).unlink(missing_ok=True)
     for folder in (grades / "exports").glob(f"gradescope/*/{safe_name(student)}"):
         shutil.rmtree(folder, ignore_errors=True)
     (grades / LIST).unlink(missing_ok=True)

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from nao_course import cli
 from nao_course.homework import REQUEST
-from nao_course.instructor import class_commands, commands
+from nao_course.instructor import class_commands, export_commands, marking_commands
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.collecting.names import safe_name
@@ -51,7 +51,7 @@ def page_of(grades, student):
 
 
 def table_of(grades):
-    list(commands.export(grades, "csv"))
+    list(export_commands.export(grades, "csv"))
     with (grades / "exports" / "grades.csv").open(encoding="utf-8-sig") as file:
         return {row["student"]: row for row in csv.DictReader(file)}
 
@@ -88,7 +88,7 @@ def test_work_that_fails_is_listed_and_all_other_work_is_done(
         return whole(*words)
 
     monkeypatch.setattr(owner, name, fails_for_ben)
-    monkeypatch.setattr(commands, "feedback_page", feedback.feedback_page)
+    monkeypatch.setattr(export_commands, "feedback_page", feedback.feedback_page)
     sheet = tmp_path / "sheet.csv"
     sheet.write_text("Identifier,Full name,Grade,Maximum Grade\n", "utf-8")
     first, *more = command.split()
@@ -119,7 +119,7 @@ def test_an_extension_stands_on_the_page_and_a_misspelt_name_is_reported(course,
     said = list(class_commands.report(grades))
     assert "course.toml: extensions: 'benn' has no result; is it 'ben'?" in said
     (worlds := tmp_path / "worlds.csv").write_text("student,world\nada,x\nbenn,y\n")
-    said = list(commands.marks(grades, None, worlds=worlds))
+    said = list(marking_commands.marks(grades, None, worlds=worlds))
     assert [line for line in said if "worlds" in line] == ["worlds.csv: 'benn' has no result; is it 'ben'?"]
     assert "Your deadline was extended to 2026-11-25 12:00+01:00." in page_of(grades, "ada")
     assert "4 of 4 points" in page_of(grades, "ada") and table_of(grades)["ada"][f"{LESSON} deducted"] == ""
@@ -199,3 +199,13 @@ def test_an_answer_needs_a_request_and_a_reason(grades):
     assert "say why with --reason" in run(*keep, status=1)
     said = run(*keep, "--reason", "No.", status=1)
     assert "there is no open request of 'ada' about 'rgb_to_hsl'" in said
+
+
+def test_status_prints_what_waits_and_writes_the_page(grades):
+    said = run("status", grades)
+    assert "handed in" in said and "3" in said and "Not exported: " in said
+    text = Page((grades / "status.html").read_text("utf-8")).text
+    assert "Handed in, 3: ada, ben, eve" in text and "ada: 1 day" in text
+    run("export", grades, "--format", "csv")
+    assert "Not exported" not in run("status", grades)
+    assert "there is no journal" in run("status", grades / "none", status=1)

@@ -264,7 +264,7 @@ def test_a_level_that_there_is_not_is_said(place):
 
 CONTROLS = "\x1b[31m"
 POINTS = "=;double;double=;=1;double=1=2;double=x;double=inf;double=nan;double=1e400;double=-1e-300;double=3"
-POINTS += f";double=0x1;double=1,5;Double=1;double =1;why=1;\x00=1;double={CONTROLS};" + "d" * 400 + "=1"
+POINTS += f";double=0x1;double=1,5;Double=1;double =1;why=99;\x00=1;double={CONTROLS};" + "d" * 400 + "=1"
 STUDENTS = f";Adam;../ada;%;' OR 1=1 --;{CONTROLS};\ud800;" + "x" * 400
 ODD_WORDS = {  # what may be odd, the command, the odd words, and what is said of them
     "grade, lesson": (

@@ -73,7 +73,7 @@ def grader(tmp_path, monkeypatch, secret):
     for lesson in LESSONS.values():
         (tmp_path / "course" / "solutions" / f"{lesson}.md").touch()
     monkeypatch.chdir(tmp_path / "course")
-    monkeypatch.setattr(commands, "_refuse_what_is_not_built", lambda *_: None)
+    monkeypatch.setattr(commands, "refuse_edited_lessons", lambda *_: None)
     monkeypatch.setattr(
         commands, "lessons_used", lambda _, lesson: [each for each in LESSONS.values() if each < lesson]
     )
@@ -359,9 +359,9 @@ def test_the_sheets_of_a_term_mend_a_journal_in_which_every_moodle_number_was_a_
 
 def test_the_names_in_personal_copies_are_found_by_any_name_and_in_the_sheet_that_release_was_given(tmp_path):
     known = Roster([Student("Ada", "Ada Kowalski", "ada@uni.example", aliases={"moodle 130000": "01"})])
-    copies = {"Ada": "Ada Kowalski_130000"}
     moodles = sheet_of(tmp_path, moodles_sheet("01", {0: 0}))
-    assert student_commands.names_in_copies(moodles, known) == copies
+    assert student_commands.names_in_copies(moodles, known) == {"Ada": "Ada Kowalski"}
+    copies = {"Ada": "Ada Kowalski_130000"}
     own = sheet_of(tmp_path, "student,world\nada@uni.example,Ada Kowalski_130000\n")
     assert student_commands.names_in_copies(own, known) == copies
     with pytest.raises(ValueError, match="world"):

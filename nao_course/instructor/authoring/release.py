@@ -8,6 +8,7 @@ import json
 import re
 import shutil
 import zipfile
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
@@ -26,6 +27,8 @@ from nao_course.instructor.authoring.plans import CHECKS, OUTLINES, load_plan
 from nao_course.instructor.authoring.proofs import MANIFEST
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.collecting.roster import fold
+from nao_course.instructor.gradebook.journal import Journal, JournalError
 
 # In the zip; the same for each release, so that a newer one is unpacked over an older one.
 FOLDER = "nao-course"
@@ -74,14 +77,14 @@ def make_release(
 
 
 def read_students(path: Path) -> list[str]:
-    """Read the names of a class as the gradebook has them: from lines, a column "student", or a platform's sheet.
+    """Read the names of a class as the gradebook has them.
 
-    Raise a LessonError if the file cannot be read, contains no name, or two names would be the same file or personal
-    world.
+    They are in a folder of grades, in lines, in a column "student", or in a platform's sheet. Raise a LessonError
+    if it cannot be read, contains no name, or two names would be the same file or personal world.
     """
     try:
-        names = [_in_the_gradebook(each) for each in read_people(path)]
-    except (OSError, TableError) as error:
+        names = _in_the_journal(path) if path.is_dir() else _in_the_gradebook(read_people(path))
+    except (OSError, TableError, JournalError) as error:
         raise LessonError(f"cannot read the names in {path} ({error})") from None
     if not names:
         raise LessonError(
@@ -97,12 +100,25 @@ def read_students(path: Path) -> list[str]:
     return names
 
 
-def _in_the_gradebook(person: Person) -> str:
-    """Return a student's name in a platform's download: "Ada Lovelace_12", or "lovelaceada_12" with Canvas."""
-    name = person.name
-    if person.platform == "canvas":
-        name = "".join(filter(str.isalnum, name.lower()))
-    return f"{name}_{person.number}" if person.number else name
+def _in_the_journal(grades: Path) -> list[str]:
+    with Journal(grades, make=False) as journal:
+        return list(journal.roster().students)
+
+
+def _in_the_gradebook(people: Sequence[Person]) -> list[str]:
+    """Return the names that new students have in the gradebook.
+
+    With Moodle, whose number is another one in each assignment, that is the full name unless two students have it.
+    """
+    count = Counter(fold(each.name) for each in people)
+    names = []
+    for each in people:
+        if each.platform == "canvas":
+            names.append(f"{''.join(filter(str.isalnum, each.name.lower()))}_{each.number}")
+        else:
+            has_number = each.number and count[fold(each.name)] > 1
+            names.append(f"{each.name}_{each.number}" if has_number else each.name)
+    return names
 
 
 def _write_copy(path: Path, target: Path, student: str) -> None:

@@ -18,7 +18,7 @@ from nao_course.instructor.collecting.files import submission_hash
 from nao_course.instructor.collecting.submissions import Submission
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
-from nao_course.instructor.gradebook.scores import each_journal_score, scores
+from nao_course.instructor.gradebook.scores import Score, each_journal_score, scores
 from nao_course.instructor.sandbox.warm_server import WarmServer
 
 Submit = Callable[[Submission, Assignment], Future[SubmissionResult]]
@@ -209,7 +209,8 @@ class LessonSummary:
 
     `worth` are the lesson's points. `changed_marks` counts written answers that a person has marked and that the
     student has changed since. `changed_overrides` are points by hand that do not count any more, because the answer has
-    changed, or because the grader gives more.
+    changed, or because the grader gives more. `lowering` are scores with points by hand that are fewer than
+    the grader's.
     """
 
     graded: list[float] = field(default_factory=list)
@@ -217,6 +218,7 @@ class LessonSummary:
     worth: float = 0.0
     changed_marks: int = 0
     changed_overrides: list[tuple[SubmissionResult, Override]] = field(default_factory=list)
+    lowering: list[Score] = field(default_factory=list)
 
 
 def summarise(journal: Journal, lesson: str) -> LessonSummary:
@@ -232,6 +234,7 @@ def summarise(journal: Journal, lesson: str) -> LessonSummary:
             for each in score.earlier_overrides.values()
             if each.points != points[each.item]
         ]
+        summary.lowering += [score] if score.lowering else []
     return summary
 
 

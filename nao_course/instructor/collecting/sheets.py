@@ -24,8 +24,8 @@ from nao_course.instructor.collecting.roster import Student, first_name_first
 COLUMNS: Mapping[str, Sequence[str]] = {
     "student": ("student",),
     "name": ("name", *NAMES_OF_MOODLE),
-    "first name": ("first name", "given name", "vorname"),
-    "last name": ("last name", "surname", "family name", "nachname"),
+    "first name": ("first name", "firstname", "given name", "vorname"),
+    "last name": ("last name", "lastname", "surname", "family name", "nachname"),
     "email": (
         *("email", "e-mail", "email address", "e-mail-adresse", "adresse de courriel", "dirección de correo"),
     ),

@@ -16,8 +16,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from nao_course.instructor.collecting.layouts import person_in
-from nao_course.instructor.collecting.roster import Roster, Student, is_nameless, said_of
+from nao_course.instructor.collecting.roster import Roster, Student, is_nameless
+from nao_course.instructor.gradebook import tables, undo
 from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.gradebook.records import (
     Comment,
@@ -26,58 +26,17 @@ from nao_course.instructor.gradebook.records import (
     Request,
     SubmissionResult,
     as_json,
-    fingerprint,
     from_json,
     now,
 )
+from nao_course.instructor.gradebook.tables import APPLICATION, OF_STUDENTS, RESULT_COLUMNS, VERSION
 
 Decision = Override | Mark | Comment | Request
 D = TypeVar("D", Override, Mark, Comment, Request)
 Given = TypeVar("Given", Override, Mark)
 
 NAME = "journal.sqlite"
-VERSION = 3
 PATIENCE = 60.0  # seconds that one grader waits for another one's transaction
-_APPLICATION = 0x4E414F4A  # "NAOJ": distinguishes this file from other SQLite files
-_COLUMNS = "student, lesson, submission, assignment, status, level, seconds, versions, time, result"
-_SCHEMA = f"""
-CREATE TABLE results (
-    student TEXT NOT NULL, lesson TEXT NOT NULL, submission TEXT NOT NULL, assignment TEXT NOT NULL,
-    status TEXT NOT NULL, level TEXT NOT NULL, seconds REAL NOT NULL, versions TEXT NOT NULL, time TEXT NOT NULL,
-    result TEXT NOT NULL, again INTEGER NOT NULL DEFAULT 0, PRIMARY KEY (student, lesson));
-CREATE TABLE history AS SELECT {_COLUMNS} FROM results;
-CREATE TABLE overrides (
-    student TEXT NOT NULL, lesson TEXT NOT NULL, exercise TEXT NOT NULL, points REAL NOT NULL, reason TEXT NOT NULL,
-    time TEXT NOT NULL);
-CREATE TABLE marks (
-    student TEXT NOT NULL, lesson TEXT NOT NULL, question TEXT NOT NULL, points REAL NOT NULL, comment TEXT NOT NULL,
-    time TEXT NOT NULL);
-CREATE TABLE runs (submissions TEXT NOT NULL, time TEXT NOT NULL);
-PRAGMA application_id = {_APPLICATION};
-"""
-_VERSION_2 = """
-CREATE TABLE IF NOT EXISTS comments (
-    lesson TEXT NOT NULL, exercise TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL, time TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS requests (
-    student TEXT NOT NULL, lesson TEXT NOT NULL, exercise TEXT NOT NULL, text TEXT NOT NULL, answer TEXT NOT NULL,
-    time TEXT NOT NULL);
-ALTER TABLE overrides ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-ALTER TABLE overrides ADD COLUMN earned REAL NOT NULL DEFAULT 0;
-ALTER TABLE marks ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-ALTER TABLE comments ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-ALTER TABLE requests ADD COLUMN decided_on TEXT NOT NULL DEFAULT '';
-PRAGMA user_version = 2;
-"""
-# The students are in the journal, and not in a file beside it, so that one transaction changes who a person is and
-# whose the results are, and two graders that run at once agree on it.
-_VERSION_3 = """
-CREATE TABLE IF NOT EXISTS students (
-    student TEXT PRIMARY KEY, name TEXT NOT NULL, email TEXT NOT NULL, login TEXT NOT NULL, section TEXT NOT NULL,
-    listed INTEGER NOT NULL);
-CREATE TABLE IF NOT EXISTS aliases (alias TEXT PRIMARY KEY, student TEXT NOT NULL, lesson TEXT NOT NULL);
-PRAGMA user_version = 3;
-"""
-_OF_STUDENTS = ("results", "history", "overrides", "marks", "requests", "aliases", "students")  # tables
 
 
 class JournalError(ValueError):
@@ -99,6 +58,8 @@ class Journal:
 
     def __init__(self, path: Path, *, make: bool = True, policy: LatePolicy | None = None) -> None:
         self.problems: list[str] = []
+        self._command: tuple[str, str, str] | None = None  # words, who and when, while it runs
+        self._number: int | None = None  # of the command, once it has written something
         self.path = path if path.suffix == ".sqlite" else path / NAME
         if not make and not self.path.is_file():
             raise JournalError(f"there is no journal {self.path}: `nao-course grade ... --out` makes it")
@@ -127,11 +88,9 @@ class Journal:
         if new:
             with self._writing():  # another grader may have been faster
                 if not self._all("SELECT name FROM sqlite_master"):
-                    self._run(_SCHEMA)
-                    self._run(_VERSION_2)
-                    self._run(_VERSION_3)
+                    tables.create(self._database)
             application, version = self._pragma("application_id"), self._pragma("user_version")
-        if application != _APPLICATION:
+        if application != APPLICATION:
             raise JournalError(f"{self.path} is an SQLite file, but no journal of this course: move it away")
         if version > VERSION:
             raise JournalError(
@@ -141,47 +100,8 @@ class Journal:
             self._database.execute("PRAGMA journal_mode = WAL")
         if version < VERSION:
             with self._writing():
-                if self._pragma("user_version") < 2:
-                    self._run(_VERSION_2)
-                    self._decide_on_present_answers()
-                if self._pragma("user_version") < 3:
-                    self._run(_VERSION_3)
-                    self._know_present_students()
-
-    def _run(self, statements: str) -> None:
-        for statement in statements.split(";"):
-            self._database.execute(statement)
-
-    def _decide_on_present_answers(self) -> None:
-        """Assign the decisions of an older journal, which do not name their answers, to the present answers."""
-        for result in self.each_result():
-            key = (result.student, result.lesson)
-            of_key = "WHERE student = ? AND lesson = ?"
-            self._database.execute(f"UPDATE requests SET decided_on = ? {of_key}", (result.submission, *key))
-            for each in result.exercises:
-                self._database.execute(
-                    f"UPDATE overrides SET decided_on = ?, earned = ? {of_key} AND exercise = ?",
-                    (result.submission, each.earned, *key, each.name),
-                )
-                self._database.execute(
-                    "UPDATE comments SET decided_on = ? WHERE lesson = ? AND exercise = ? AND kind = ?",
-                    (fingerprint(each.hint), result.lesson, each.name, each.kind),
-                )
-            for answer in result.written:
-                self._database.execute(
-                    f"UPDATE marks SET decided_on = ? {of_key} AND question = ?",
-                    (answer.fingerprint, *key, answer.name),
-                )
-
-    def _know_present_students(self) -> None:
-        """Record the numbers and names of the students of an older journal, which are in the names of their files."""
-        students: dict[str, Student] = {}
-        for result in self.each_result():
-            if person := person_in(result.file, result.lesson):
-                said = said_of(result.student, person)
-                before = students.get(result.student)
-                students[result.student] = before.joined(said) if before else said
-        self._write_students(students.values())
+                present = self._pragma("user_version")  # another grader may have been faster
+                tables.migrate(self._database, present, self.each_result, self._write_students)
 
     def _pragma(self, name: str) -> int:
         return int(self._all(f"PRAGMA {name}")[0][0])
@@ -235,12 +155,12 @@ class Journal:
         )
         with self._writing():
             self._database.execute(
-                f"INSERT INTO history SELECT {_COLUMNS} FROM results WHERE student = ? AND lesson = ? "
+                f"INSERT INTO history SELECT {RESULT_COLUMNS} FROM results WHERE student = ? AND lesson = ? "
                 "AND (again = 1 OR submission <> ? OR assignment <> ?)",
                 (*key, graded.submission, graded.assignment),
             )
             self._database.execute(
-                f"INSERT INTO results ({_COLUMNS}) VALUES ({','.join('?' * len(row))}) "
+                f"INSERT INTO results ({RESULT_COLUMNS}) VALUES ({','.join('?' * len(row))}) "
                 "ON CONFLICT (student, lesson) DO UPDATE SET submission = excluded.submission, "
                 "assignment = excluded.assignment, status = excluded.status, level = excluded.level, "
                 "seconds = excluded.seconds, versions = excluded.versions, time = excluded.time, "
@@ -279,6 +199,15 @@ class Journal:
         """Return the students who have a result."""
         return {student for (student,) in self._all("SELECT DISTINCT student FROM results")}
 
+    def graded(self, student: str) -> list[tuple[str, SubmissionResult, bool]]:
+        """Return all results of a student, the oldest first: when they were graded, and whether they count."""
+        query = (
+            "SELECT time, result, 0 FROM history WHERE student = ? UNION ALL "
+            "SELECT time, result, 1 FROM results WHERE student = ? ORDER BY 1, 3"
+        )
+        found = self._all(query, (student, student))
+        return [(time, self._result(text), bool(counts)) for time, text, counts in found]
+
     def history(self, student: str, lesson: str) -> list[SubmissionResult]:
         """Return a student's earlier results of a lesson, the oldest first."""
         query = "SELECT result FROM history WHERE student = ? AND lesson = ? ORDER BY rowid"
@@ -295,6 +224,7 @@ class Journal:
     def want_again(self, student: str, lesson: str) -> None:
         """Mark a submission to be graded in the next run although nothing has changed."""
         with self._writing():
+            undo.forget_commands(self._database)
             self._database.execute(
                 "UPDATE results SET again = 1 WHERE student = ? AND lesson = ?", (student, lesson)
             )
@@ -371,15 +301,17 @@ class Journal:
             for lesson in mine.keys() & theirs.keys():
                 other = (old if _is_later(theirs[lesson], mine[lesson]) else new, lesson)
                 of_one = "WHERE student = ? AND lesson = ?"
-                self._database.execute(f"INSERT INTO history SELECT {_COLUMNS} FROM results {of_one}", other)
+                self._database.execute(
+                    f"INSERT INTO history SELECT {RESULT_COLUMNS} FROM results {of_one}", other
+                )
                 self._database.execute(f"DELETE FROM results {of_one}", other)
             for table in ("results", "history"):
                 for row, text in self._all(f"SELECT rowid, result FROM {table} WHERE student = ?", (old,)):
                     renamed = json.dumps(json.loads(text) | {"student": new}, ensure_ascii=False)
                     self._database.execute(f"UPDATE {table} SET result = ? WHERE rowid = ?", (renamed, row))
-            for table in _OF_STUDENTS[:-2]:
+            for table in OF_STUDENTS[:-2]:
                 self._database.execute(f"UPDATE {table} SET student = ? WHERE student = ?", (new, old))
-            for table in _OF_STUDENTS[-2:]:
+            for table in OF_STUDENTS[-2:]:
                 self._database.execute(f"DELETE FROM {table} WHERE student = ?", (old,))
             joined = replace(before, student=new).joined(after)
             self._write_students([replace(joined, aliases={**joined.aliases, old: ""})])
@@ -390,8 +322,9 @@ class Journal:
         """Delete all that is recorded of a student, also from the parts of the file that are not used any more."""
         self._database.execute("PRAGMA secure_delete = ON")
         with self._writing():
-            for table in _OF_STUDENTS:
+            for table in OF_STUDENTS:
                 self._database.execute(f"DELETE FROM {table} WHERE student = ?", (student,))
+            undo.forget_commands(self._database)
         with self._errors_in_words("write"):
             self._database.execute("VACUUM")
             self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
@@ -404,7 +337,10 @@ class Journal:
             self._insert("overrides", [change])
 
     def overrides(self, lesson: str | None = None) -> list[Override]:
-        """Return the overrides of each exercise of each student, the last one for each answer, the oldest first."""
+        """Return the overrides of each exercise of each student, the last one for each answer, the oldest first.
+
+        What was withdrawn is left out.
+        """
         return _last_of_each(self._records("overrides", Override), lesson)
 
     def mark(self, marks: Iterable[Mark]) -> None:
@@ -413,7 +349,7 @@ class Journal:
             self._insert("marks", marks)
 
     def marks(self, lesson: str | None = None) -> list[Mark]:
-        """Return the marks of each question of each student, the last one for each answer, the oldest first."""
+        """Return the first and second marks of each question of each student, as `overrides` does."""
         return _last_of_each(self._records("marks", Mark), lesson)
 
     def comment(self, comments: Iterable[Comment]) -> None:
@@ -451,19 +387,21 @@ class Journal:
                 "DELETE FROM requests WHERE student = ? AND lesson = ? AND exercise = ? AND text = ?",
                 [(each.student, each.lesson, each.exercise, each.text) for each in gone],
             )
-            self._insert("requests", new, time=now())
+            self._insert("requests", new)
         return [*new, *gone]
 
-    def answer(self, student: str, lesson: str, exercise: str, answer: str, decided_on: str) -> bool:
+    def answer(
+        self, student: str, lesson: str, exercise: str, answer: str, decided_on: str, given_by: str = ""
+    ) -> bool:
         """Answer the open requests about a student's exercise; return whether there was one."""
         key = (student, lesson, exercise, "")
         if all((each.student, each.lesson, each.exercise, each.answer) != key for each in self.requests()):
             return False
         with self._writing():
             self._database.execute(
-                "UPDATE requests SET answer = ?, decided_on = ? "
+                "UPDATE requests SET answer = ?, decided_on = ?, given_by = ? "
                 "WHERE student = ? AND lesson = ? AND exercise = ? AND answer = ?",
-                (answer, decided_on, *key),
+                (answer, decided_on, given_by, *key),
             )
         return True
 
@@ -471,9 +409,50 @@ class Journal:
         """Return all requests, the oldest first."""
         return list(self._records("requests", Request))
 
-    def began(self, submissions: Path) -> None:
-        """Note where the submissions of a run are."""
+    def decisions(self, student: str) -> list[Override | Mark]:
+        """Return all points and marks that people gave a student, also withdrawn ones, the oldest first."""
+        both: list[Override | Mark] = [*self._records("overrides", Override), *self._records("marks", Mark)]
+        return sorted((each for each in both if each.student == student), key=lambda each: each.time)
+
+    def last_change(self, lesson: str) -> str:
+        """Return when a result, points or a mark of a lesson last came into the journal; empty if none did."""
+        every = " UNION ALL ".join(
+            f"SELECT time FROM {table} WHERE lesson = :lesson" for table in ("results", "overrides", "marks")
+        )
+        ((time,),) = self._all(f"SELECT ifnull(max(time), '') FROM ({every})", {"lesson": lesson})
+        return str(time)
+
+    @contextmanager
+    def command(self, words: str, given_by: str) -> Iterator[None]:
+        """Remember what a person's command replaces in the journal, so that `undo` can take it back."""
+        self._command = (words, given_by, now())
+        try:
+            yield
+        finally:
+            number, self._command, self._number = self._number, None, None
+            if number is not None:
+                with self._writing():
+                    undo.end(self._database, number)
+
+    def undo(self) -> str:
+        """Take back the last command, and return its words. Raise a JournalError if there is none."""
         with self._writing():
+            last = self._database.execute(
+                "SELECT number, words, given_by, time FROM commands ORDER BY number DESC LIMIT 1"
+            ).fetchone()
+            if last is None:
+                raise JournalError(
+                    "there is nothing to undo: only marks, comments, points by hand, requests and changes of students "
+                    "since the last grade or --forget can be undone"
+                )
+            undo.take_back(self._database, last[0])
+        self.policy = self._policy_by_student()
+        return f"{last[1]} (by {last[2] or 'unknown'}, {last[3]})"
+
+    def began(self, submissions: Path) -> None:
+        """Note where the submissions of a run are. What was commanded before cannot be undone any more."""
+        with self._writing():
+            undo.forget_commands(self._database)
             self._database.execute("INSERT INTO runs VALUES (?, ?)", (str(submissions.resolve()), now()))
 
     def places(self) -> list[Path]:
@@ -483,10 +462,10 @@ class Journal:
 
     # --- SQLite ---
 
-    def _insert(self, table: str, records: Iterable[Decision], **more: str) -> None:
+    def _insert(self, table: str, records: Iterable[Decision]) -> None:
         """Insert records, whose fields are the table's columns."""
         for each in records:
-            values = vars(each) | more
+            values = vars(each)
             self._database.execute(
                 f"INSERT INTO {table} ({', '.join(values)}) VALUES ({', '.join('?' * len(values))})",
                 tuple(values.values()),
@@ -498,7 +477,7 @@ class Journal:
         for row in self._all(f"SELECT {', '.join(columns)} FROM {table} ORDER BY rowid"):
             yield kind(*row)
 
-    def _all(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:
+    def _all(self, query: str, values: tuple[Any, ...] | dict[str, Any] = ()) -> list[Any]:
         with self._errors_in_words("read"):
             return self._database.execute(query, values).fetchall()
 
@@ -508,8 +487,12 @@ class Journal:
         with self._errors_in_words("write"):
             self._database.execute("BEGIN IMMEDIATE")
             try:
+                number = self._number
+                if self._command and number is None:  # a command that is refused writes nothing
+                    number = undo.begin(self._database, *self._command)
                 yield
                 self._database.execute("COMMIT")
+                self._number = number
             except BaseException:
                 if self._database.in_transaction:  # SQLite may have ended it itself, as when the disk is full
                     self._database.execute("ROLLBACK")
@@ -535,13 +518,16 @@ def _is_later(one: SubmissionResult, other: SubmissionResult) -> bool:
 
 def _last_of_each(given: Iterable[Given], lesson: str | None) -> list[Given]:
     """Return the last decision for each answer, by students and lessons and then the oldest first."""
-    last: dict[tuple[str, ...], Given] = {}
+    last: dict[tuple[str, str, str, bool], dict[str, Given]] = defaultdict(dict)
     for each in given:
         if lesson in (None, each.lesson):
-            key = (each.student, each.lesson, each.item, each.decided_on)
-            last.pop(key, None)
-            last[key] = each
-    return [last[key] for key in sorted(last, key=lambda key: key[:3])]
+            decided = last[each.student, each.lesson, each.item, bool(getattr(each, "is_second", False))]
+            if each.is_withdrawn:
+                decided.clear()
+            else:
+                decided.pop(each.decided_on, None)
+                decided[each.decided_on] = each
+    return [each for key in sorted(last) for each in last[key].values()]
 
 
 def _advice(reason: str) -> str:

@@ -183,7 +183,8 @@ class Override:
     """Points that a person gave an exercise instead of the grader, why, and when, in UTC.
 
     `decided_on` is the fingerprint of the answer, or the hash of the submission, if the answer's is unknown; `earned`
-    are the points that the grader gave that answer.
+    are the points that the grader gave that answer. `given_by` is the person's name, empty in journals of earlier
+    versions. `is_withdrawn` means that all earlier ones of the exercise are taken back.
     """
 
     student: str
@@ -194,6 +195,8 @@ class Override:
     time: str = field(default_factory=now)
     decided_on: str = ""
     earned: float = 0.0
+    given_by: str = ""
+    is_withdrawn: bool = False
 
     @property
     def item(self) -> str:
@@ -212,7 +215,8 @@ class Override:
 class Mark:
     """Points that a person gave for a written answer, a comment for the student, and when, in UTC.
 
-    `decided_on` is `WrittenAnswer.fingerprint` of the answer.
+    `decided_on` is `WrittenAnswer.fingerprint` of the answer, and `given_by` and `is_withdrawn` are as of an
+    `Override`. A second mark (`is_second`) of another person counts for nothing; it is compared with the first one.
     """
 
     student: str
@@ -222,6 +226,9 @@ class Mark:
     comment: str = ""
     time: str = field(default_factory=now)
     decided_on: str = ""
+    given_by: str = ""
+    is_withdrawn: bool = False
+    is_second: bool = False
 
     @property
     def item(self) -> str:
@@ -248,13 +255,15 @@ class Comment:
     text: str
     time: str = field(default_factory=now)
     decided_on: str = ""
+    given_by: str = ""
 
 
 @dataclass(frozen=True)
 class Request:
     """A student's request that a person looks at an exercise again; without an exercise, the unreadable part of a file.
 
-    `answer` is the decision and why, and `decided_on` is as of an `Override`; both are empty while the request is open.
+    `answer` is the decision and why, and `decided_on` and `given_by` are as of an `Override`; they are empty while the
+    request is open. `time` is when it was read.
     """
 
     student: str
@@ -263,6 +272,8 @@ class Request:
     text: str
     answer: str = ""
     decided_on: str = ""
+    time: str = field(default_factory=now, compare=False)
+    given_by: str = ""
 
 
 # --- as JSON ---

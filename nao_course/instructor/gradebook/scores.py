@@ -22,6 +22,7 @@ from nao_course.instructor.gradebook.records import (
 )
 
 Given = TypeVar("Given", Override, Mark)
+MOST_DIFFERENCE = 0.5  # points between two markers that nobody has to look at
 Comments = Mapping[tuple[str, str, str], Comment]  # by lesson, exercise and kind of the wrong answer
 
 
@@ -30,7 +31,8 @@ class Score:
     """A result with the latest decisions of people on this answer: points and comments by exercise, marks by question.
 
     `lateness` is None without a deadline. `requests` are the student's last, by exercise. `earlier_overrides` and
-    `earlier_marks` are proposals: decisions on an earlier answer, if there is none on this one. They count for nothing.
+    `earlier_marks` are proposals: decisions on an earlier answer, if there is none on this one. They count for nothing,
+    and neither do `second_marks`, another person's marks of the same answers.
     """
 
     result: SubmissionResult
@@ -41,6 +43,7 @@ class Score:
     requests: Mapping[str, Request] = field(default_factory=dict)
     earlier_overrides: Mapping[str, Override] = field(default_factory=dict)
     earlier_marks: Mapping[str, Mark] = field(default_factory=dict)
+    second_marks: Mapping[str, Mark] = field(default_factory=dict)
 
     def of(self, exercise: ExerciseResult) -> float:
         """Return the points of an exercise; points from a person replace the grader's."""
@@ -79,6 +82,20 @@ class Score:
     def points(self) -> float:
         """What all exercises and questions are worth."""
         return self.result.points + sum(each.points for each in self.result.written)
+
+    @property
+    def differing(self) -> list[tuple[Mark, Mark]]:
+        """The marks of two people on the same answer that differ by more than MOST_DIFFERENCE."""
+        both = [
+            (self.marks[name], second) for name, second in self.second_marks.items() if name in self.marks
+        ]
+        return [pair for pair in both if abs(pair[0].points - pair[1].points) > MOST_DIFFERENCE + 1e-9]
+
+    @property
+    def lowering(self) -> list[tuple[ExerciseResult, Override]]:
+        """The exercises with fewer points by hand than the grader gives."""
+        both = [(each, self.overrides.get(each.name)) for each in self.result.exercises]
+        return [(each, by_hand) for each, by_hand in both if by_hand and by_hand.points < each.earned]
 
     @property
     def waiting(self) -> tuple[WrittenAnswer, ...]:
@@ -138,10 +155,23 @@ def each_score(
         made: list[Score] = []
         with for_one(*key, "it is left out, because its points cannot be added up"):
             overrides_now, earlier_overrides = _by_answer(each, changed.get(key, ()))
-            marks_now, earlier_marks = _by_answer(each, marked.get(key, ()))
+            of_both = marked.get(key, ())
+            marks_now, earlier_marks = _by_answer(each, (mark for mark in of_both if not mark.is_second))
+            second_marks, _ = _by_answer(each, (mark for mark in of_both if mark.is_second))
             lateness, said = policy.lateness(each) if policy else None, _comments(each, comments or {})
-            now, earlier = (overrides_now, marks_now), (earlier_overrides, earlier_marks)
-            made = [Score(each, *now, lateness, said, asked.get(key, {}), *earlier)]
+            made = [
+                Score(
+                    each,
+                    overrides_now,
+                    marks_now,
+                    lateness,
+                    said,
+                    asked.get(key, {}),
+                    earlier_overrides,
+                    earlier_marks,
+                    second_marks,
+                )
+            ]
         yield from made
 
 
@@ -165,10 +195,12 @@ def _by_answer(
     return count, {each.item: each for each in decisions if each.item not in count}
 
 
-def each_journal_score(journal: Journal, lesson: str | None = None) -> Iterator[Score]:
-    """Yield the scores of a journal or of a lesson, ordered by student and lesson."""
+def each_journal_score(
+    journal: Journal, lesson: str | None = None, student: str | None = None
+) -> Iterator[Score]:
+    """Yield the scores of a journal, or of a lesson or student in it, ordered by student and lesson."""
     yield from each_score(
-        journal.each_result(lesson),
+        journal.each_result(lesson, student),
         journal.overrides(lesson),
         journal.marks(lesson),
         journal.policy,

@@ -97,11 +97,11 @@ def is_comment_sheet(path: Path) -> bool:
     return {"kind", "comment"} <= {cell.strip().casefold() for cell in first}
 
 
-def read_comments(journal: Journal, path: Path) -> list[Comment]:
+def read_comments(journal: Journal, path: Path, given_by: str = "") -> list[Comment]:
     """Read a table's comments into the journal, all or none of them; return what is new or changed.
 
-    A row without a comment takes an earlier comment back. If anything is wrong, a CommentsError or TableError names the
-    rows.
+    `given_by` is the person. A row without a comment takes an earlier comment back. If anything is wrong, a
+    CommentsError or TableError names the rows.
     """
     wrong = wrong_answers(journal.each_result())
     known = {(fitting(kind[0]), fitting(kind[1]), fitting(kind[2])): kind for kind in wrong}
@@ -121,7 +121,9 @@ def read_comments(journal: Journal, path: Path) -> list[Comment]:
         elif kind in changed and changed[kind].text != text:
             problems.append(f"row {row.number}: this kind has another comment in an earlier row")
         elif text != before.get(kind, ""):
-            changed[kind] = Comment(*kind, text, decided_on=fingerprint(wrong[kind][0][1].hint))
+            changed[kind] = Comment(
+                *kind, text, decided_on=fingerprint(wrong[kind][0][1].hint), given_by=given_by
+            )
     if problems:
         more = [f"and {len(problems) - MOST_SAID} more"] if len(problems) > MOST_SAID else []
         raise CommentsError("\n".join([f"{path.name}: nothing was read in", *problems[:MOST_SAID], *more]))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import ExerciseResult, Mark, Override, WrittenAnswer
 from nao_course.instructor.gradebook.scores import Score, all_scores
@@ -17,9 +19,10 @@ from nao_course.instructor.reports.html import number, visible, write_whole
 from nao_course.instructor.reports.platforms import PLATFORMS
 from nao_course.instructor.reports.spreadsheets import table
 
-FORMATS = ("csv", "gradescope", *PLATFORMS)
+FORMATS = ("csv", "json", "gradescope", *PLATFORMS)
 FOLDER = "exports"  # in GRADES
 _MISSING = "not handed in"
+_WHO = ("name", "email", "login", "section")  # of a student of the roster
 _ABOUT = ("points", "out of", "status", "handed in", "late", "deducted", "notes")  # columns of each lesson
 
 
@@ -38,11 +41,12 @@ def check_format(name: str) -> str:
 # --- a table ---
 
 
-def csv_table(made: Sequence[Score]) -> bytes:
+def csv_table(made: Sequence[Score], roster: Roster | None = None) -> bytes:
     """Make a table with a row for each student and, lesson after lesson, a column for each exercise and question.
 
-    A written answer that nobody has marked is an empty cell. A name that a spreadsheet would take for a formula has an
-    apostrophe before it. It is CSV by RFC 4180.
+    The roster has the students' names, e-mail addresses, logins and sections. A written answer that nobody has
+    marked is an empty cell. A name that a spreadsheet would take for a formula has an apostrophe before it. It is
+    CSV by RFC 4180.
     """
     lessons = sorted({each.result.lesson for each in made})
     students = sorted({each.result.student for each in made})
@@ -50,7 +54,7 @@ def csv_table(made: Sequence[Score]) -> bytes:
     columns = {
         lesson: _columns([each for each in made if each.result.lesson == lesson]) for lesson in lessons
     }
-    header = ["student"]
+    header = ["student", *_WHO]
     for lesson in lessons:
         header += [f"{number} {name}".strip() for number, name in columns[lesson]]
         header += [f"{lesson} {what}" for what in _ABOUT]
@@ -59,8 +63,49 @@ def csv_table(made: Sequence[Score]) -> bytes:
         theirs = [by_key.get((student, lesson)) for lesson in lessons]
         cells = [_cells(score, columns[lesson]) for score, lesson in zip(theirs, lessons, strict=True)]
         total = sum(each.earned for each in theirs if each)
-        rows.append([student, *(cell for part in cells for cell in part), total])
+        rows.append(
+            [student, *_who(student, roster).values(), *(cell for part in cells for cell in part), total]
+        )
     return table(rows)
+
+
+def _who(student: str, roster: Roster | None) -> dict[str, str]:
+    """Return what the roster says of a student."""
+    known = roster.students.get(student) if roster else None
+    return {each: getattr(known, each) if known else "" for each in _WHO}
+
+
+def json_text(made: Sequence[Score], roster: Roster) -> str:
+    """Make the content of grades.json: a list of students, each with all lessons, for scripts.
+
+    A written answer that nobody has marked has null points.
+    """
+    students: dict[str, dict[str, Any]] = {}
+    for score in made:
+        result = score.result
+        student = students.setdefault(
+            result.student,
+            {"student": result.student, **_who(result.student, roster), "total": 0.0, "lessons": {}},
+        )
+        student["total"] = round(student["total"] + score.earned, 6)
+        student["lessons"][result.lesson] = {
+            "points": round(score.earned, 6),
+            "out_of": score.points,
+            "status": result.status,
+            "handed_in": result.handed_in,
+            "late": score.is_late,
+            "deducted": round(score.deducted, 6),
+            "notes": _notes(score),
+            "exercises": [
+                {**_item(each), "points": score.of(each), "state": each.state} for each in result.exercises
+            ],
+            "questions": [{**_item(each), "points": score.of_answer(each)} for each in result.written],
+        }
+    return json.dumps(list(students.values()), indent=1, ensure_ascii=True) + "\n"
+
+
+def _item(item: ExerciseResult | WrittenAnswer) -> dict[str, Any]:
+    return {"name": item.name, "number": item.number, "out_of": item.points}
 
 
 def _columns(made: Iterable[Score]) -> list[tuple[str, str]]:
@@ -97,7 +142,10 @@ def _notes(score: Score) -> list[str]:
         notes.append("late by the platform, but not by how much: nothing was deducted")
     if score.waiting:
         notes.append(f"{say_count(len(score.waiting), 'written answer')} not marked yet")
-    notes += [f"{name} set to {number(each.points)}: {each.reason}" for name, each in score.overrides.items()]
+    notes += [
+        f"{name} set to {number(each.points)}{f' by {each.given_by}' if each.given_by else ''}: {each.reason}"
+        for name, each in score.overrides.items()
+    ]
     earlier: tuple[Override | Mark, ...] = (*score.earlier_overrides.values(), *score.earlier_marks.values())
     notes += [
         f"{each.item}: {number(each.points)} points were for an earlier answer and do not count"
@@ -166,9 +214,30 @@ def _test(item: ExerciseResult | WrittenAnswer, points: float, right: bool, outp
     }
 
 
+def last_exports(folder: Path, lessons: Iterable[str]) -> dict[str, str]:
+    """Return when each lesson was last exported, in UTC as in the journal; a table of grades is of all lessons."""
+    found = [(each.name, each.stat().st_mtime) for each in folder.glob("*") if each.is_file()]
+    times = {
+        lesson: max(
+            (time for name, time in found if lesson in name or name.startswith("grades.")), default=None
+        )
+        for lesson in lessons
+    }
+    return {
+        lesson: datetime.fromtimestamp(time, UTC).isoformat(timespec="seconds")
+        for lesson, time in times.items()
+        if time is not None
+    }
+
+
 def write_csv(journal: Journal, folder: Path, lesson: str | None = None) -> Path:
     """Write grades.csv into GRADES/exports."""
-    return write_whole(folder / "grades.csv", csv_table(all_scores(journal, lesson)))
+    return write_whole(folder / "grades.csv", csv_table(all_scores(journal, lesson), journal.roster()))
+
+
+def write_json(journal: Journal, folder: Path, lesson: str | None = None) -> Path:
+    """Write grades.json into GRADES/exports."""
+    return write_whole(folder / "grades.json", json_text(all_scores(journal, lesson), journal.roster()))
 
 
 def write_gradescope(journal: Journal, folder: Path, lesson: str | None = None) -> list[Path]:

@@ -1,4 +1,4 @@
-"""Code that students may have in common without copying: what a release gives them, and known right answers."""
+"""Code that students may have in common: what a release gives them, and the course's own answers."""
 
 from __future__ import annotations
 
@@ -38,6 +38,12 @@ def right_answers(course: Course, lesson: str) -> dict[str, list[str]]:
     for exercise, codes in alternatives(file.read_text(encoding="utf-8") if file.exists() else "").items():
         answers.setdefault(exercise, []).extend(codes)
     return answers
+
+
+def model_answers(course: Course, lesson: str) -> dict[str, str]:
+    """Return the course's own answers to the written questions of a lesson."""
+    cells = lesson_text.written_cells(lesson_text.read_lesson(course.text(lesson)))
+    return {lesson_text.exercise_name(cell): cell.source for _, cell in cells}
 
 
 def alternatives(declaration: str) -> dict[str, list[str]]:

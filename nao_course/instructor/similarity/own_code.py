@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from nao_course.exercises import notebook_text
 from nao_course.exercises.cells import GIVEN
@@ -27,11 +27,13 @@ _MOST_STEPS = 100_000  # for the texts of one notebook
 class OwnCode:
     """The code that a student wrote: exercises, added cells, helper files, and their texts for exec, eval or compile.
 
-    `hidden` are places of code that is made while the notebook runs, so that it cannot be read here.
+    `hidden` are places of code that is made while the notebook runs, so that it cannot be read here. `written` are the
+    answers in words by question.
     """
 
     cells: tuple[str, ...]
     hidden: tuple[str, ...] = ()
+    written: Mapping[str, str] = field(default_factory=dict)
 
 
 def own_code(submission: Submission) -> OwnCode:
@@ -41,17 +43,17 @@ def own_code(submission: Submission) -> OwnCode:
     """
     try:
         with laid_out(files.read(submission, _without_outputs), submission.lesson) as notebook:
-            cells = notebook_text.read_cells(notebook, read_outline(submission.lesson))
+            text = notebook_text.read_notebook(notebook, read_outline(submission.lesson))
             sources = {
                 f"code cell {number}": source
-                for number, (role, source) in enumerate(cells, 1)
+                for number, (role, source) in enumerate(text.cells, 1)
                 if role not in GIVEN
             }
             for name, _ in submission.helpers:
                 sources[name] = notebook.with_name(name).read_text(encoding="utf-8", errors="replace")
     except ValueError as error:
         raise Refused(str(error)) from None
-    return with_executed_texts(sources)
+    return replace(with_executed_texts(sources), written=text.written)
 
 
 def with_executed_texts(sources: Mapping[str, str]) -> OwnCode:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.reports.html import Markup, element, join, lesson_title, page
@@ -15,6 +16,7 @@ from nao_course.instructor.similarity.comparing import (
     Comparison,
     SimilarPair,
 )
+from nao_course.instructor.similarity.course_answers import SAME, SAME_WORDS, CourseAnswers, SameWords
 
 NEAR = 4  # lines before and after a marked passage
 _MEANING = (
@@ -37,25 +39,46 @@ _COMMON = (
     "The common code is marked in the first notebook:"
 )
 
+_COURSE_ANSWERS = (
+    f"An exercise is counted if the notebook contains at least {100 * SAME:.0f} % of the fingerprints of the reference "
+    "solution or of an alternative of the course, whatever the names and comments are. Short exercises are left out, "
+    "because independent answers to them are equal. Students are listed from half of the other exercises on. The "
+    "solutions may be public, so ask the student to explain the code."
+)
+_SAME_WORDS = (
+    f"Answers are the same if they have {100 * SAME_WORDS:.0f} % of their runs of three words in common; capital "
+    "letters and punctuation do not count. The first student's answer is shown."
+)
 
-def similar_page(compared: Mapping[str, Comparison], left_out: Sequence[str]) -> str:
+
+@dataclass(frozen=True)
+class Found:
+    """What was found in a lesson."""
+
+    comparison: Comparison
+    course_answers: Sequence[CourseAnswers] = ()
+    same_words: Sequence[SameWords] = ()
+
+
+def similar_page(found: Mapping[str, Found], left_out: Sequence[str]) -> str:
     """Make the HTML page of similar notebooks by lesson, without scripts or links to other files.
 
     `left_out` says what was not compared, with the reasons.
     """
-    many = sum(len(each.pairs) for each in compared.values())
+    many = sum(len(each.comparison.pairs) for each in found.values())
     return page(
         "Similar notebooks",
         element("h1", say_count(many, "pair") + " of similar notebooks"),
         element("div", element("p", _MEANING), class_="box warn"),
         element("p", _MEASURE, class_="soft small"),
-        *(_lesson(lesson, each) for lesson, each in sorted(compared.items())),
+        *(_lesson(lesson, each) for lesson, each in sorted(found.items())),
         _left_out(left_out),
         wide=True,
     )
 
 
-def _lesson(lesson: str, found: Comparison) -> Markup:
+def _lesson(lesson: str, of_lesson: Found) -> Markup:
+    found = of_lesson.comparison
     pairs = found.pairs
     rows = [
         (
@@ -72,6 +95,8 @@ def _lesson(lesson: str, found: Comparison) -> Markup:
             "p", f"{say_count(found.compared, 'notebook')} compared, {say_count(len(pairs), 'similar pair')}."
         ),
         _table(("Students", "Group of", "Share of the first", "Share of the second", "Fingerprints"), rows),
+        *_course_answers(of_lesson.course_answers),
+        *_same_words(of_lesson.same_words),
         *(_common(each) for each in found.common),
         *(_pair(each, _anchor(lesson, number)) for number, each in enumerate(pairs[:MOST_SHOWN])),
         element("p", f"The code of the first {MOST_SHOWN} pairs is shown.")
@@ -110,6 +135,31 @@ def _common(common: CommonCode) -> Markup:
         element("pre", _marked(first.code, common.passages)),
         class_="card",
     )
+
+
+def _course_answers(found: Sequence[CourseAnswers]) -> Iterator[Markup]:
+    if found:
+        yield element("h3", f"The course's own answers: {say_count(len(found), 'student')}")
+        yield element("p", _COURSE_ANSWERS, class_="soft small")
+        rows = [
+            (each.student, ", ".join(each.exercises), f"{len(each.exercises)} of {each.of}") for each in found
+        ]
+        if table := _table(("Student", "Exercises", "Count"), rows):
+            yield table
+
+
+def _same_words(found: Sequence[SameWords]) -> Iterator[Markup]:
+    if found:
+        yield element("h3", f"The same words: {say_count(len(found), 'group')}")
+        yield element("p", _SAME_WORDS, class_="soft small")
+    for each in found:
+        names = ", ".join([*each.students, *(["the course's model answer"] if each.is_model else [])])
+        yield element(
+            "div",
+            element("p", element("code", each.question), " ", names),
+            element("div", each.text.strip(), class_="said", dir="auto"),
+            class_="card",
+        )
 
 
 def _percent(share: float) -> str:

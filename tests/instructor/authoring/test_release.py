@@ -20,6 +20,8 @@ from nao_course.instructor.authoring import lesson_text, release
 from nao_course.instructor.authoring.course import LessonError, load_course
 from nao_course.instructor.authoring.perturbation import perturbed
 from nao_course.instructor.authoring.release import nbgrader_config, release_problems
+from nao_course.instructor.collecting.roster import Student
+from nao_course.instructor.gradebook.journal import Journal
 from tests.paths import PROJECT
 from tests.toy.course import run, with_a_written_question
 
@@ -137,10 +139,20 @@ def test_names_are_read_from_lines_and_from_a_table_and_what_cannot_be_used_is_r
         "\ufeffada\n\n  bob \n": ["ada", "bob"],
         'student,email\n"Lovelace, Ada",a@b\nbob,\n': ["Lovelace, Ada", "bob"],
         'Student,ID,Section\n"Lovelace, Ada",12,A\n': ["lovelaceada_12"],
-        "Identifier,Full name\nParticipant 12,Ada Lovelace\n": ["Ada Lovelace_12"],
+        "Identifier,Full name\nParticipant 12,Ada Lovelace\n": ["Ada Lovelace"],
+        "Identifier,Full name\nTN 12,Jan Novák\nTN 13,Ada\nTN 14,Jan Novák\n": [
+            "Jan Novák_12",
+            "Ada",
+            "Jan Novák_14",
+        ],
     }.items():
         path.write_text(text, encoding="utf-8")
         assert release.read_students(path) == names
+    with Journal(tmp_path / "grades") as journal:
+        journal.know([Student("ada", "Ada", "ada@uni.example"), Student("Łucja", listed=True)])
+    assert release.read_students(tmp_path / "grades") == ["ada", "Łucja"]
+    with pytest.raises(LessonError, match="there is no journal"):
+        release.read_students(tmp_path)
     path = tmp_path / "names.txt"
     for content, message in (
         (b"", "contains no names"),

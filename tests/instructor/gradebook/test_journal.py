@@ -165,8 +165,19 @@ def sql(path, *commands):
         ]
 
 
+def of_version_3(folder):
+    """Turn a journal into one of the version in which decisions did not say who made them."""
+    made = {"overrides": "given_by is_withdrawn", "marks": "given_by is_withdrawn is_second"}
+    made |= {"comments": "given_by", "requests": "given_by"}
+    drop = [
+        f"ALTER TABLE {table} DROP COLUMN {each}" for table, names in made.items() for each in names.split()
+    ]
+    sql(folder / NAME, *drop, "DROP TABLE commands", "DROP TABLE replaced", "PRAGMA user_version = 3")
+
+
 def of_version_1(folder):
     """Turn a journal into one of the version in which decisions did not say for which answer they are."""
+    of_version_3(folder)
     decisions = ("overrides", "marks", "comments", "requests")
     *_, ((text,),) = sql(
         folder / NAME,
@@ -290,6 +301,7 @@ def of_version_2(folder):
     updates = [
         ("UPDATE results SET result = ? WHERE rowid = ?", (json.dumps(each), row)) for row, each in older
     ]
+    of_version_3(folder)
     sql(folder / NAME, *updates, "DROP TABLE students", "DROP TABLE aliases", "PRAGMA user_version = 2")
 
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from nao_course import cli
+from nao_course.instructor.collecting.roster import Student
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Override
 from nao_course.instructor.gradebook.scores import all_scores, score, scores
@@ -55,7 +56,7 @@ def test_a_student_is_a_row_and_an_exercise_a_column(journal):
 
 def test_exercises_stand_before_questions_and_a_refusal_or_lateness_with_its_reason():
     (header, _) = csv_table(scores([result("ada", answer(), exercise())])).decode("utf-8-sig").splitlines()
-    assert header.startswith("student,1.1 rgb_to_hsl,1.W1 why_hsl,")
+    assert header.startswith("student,name,email,login,section,1.1 rgb_to_hsl,1.W1 why_hsl,")
     (row,) = rows_of([score(result("ada", exercise("not found"), status="refused", reason="it is empty"))])
     assert (row["total"], row[f"{LESSON} status"], row[f"{LESSON} notes"]) == ("0", "refused", "it is empty")
     late = result("ada", exercise(), handed_in="2026-11-20 23:59+00:00", late=True)
@@ -66,7 +67,7 @@ def test_exercises_stand_before_questions_and_a_refusal_or_lateness_with_its_rea
 
 
 def test_every_student_gets_a_file_and_an_empty_journal_is_a_header(journal, tmp_path):
-    assert csv_table([]).decode("utf-8-sig") == "student,total\r\n"
+    assert csv_table([]).decode("utf-8-sig") == "student,name,email,login,section,total\r\n"
     assert exports.write_csv(journal, tmp_path / "x").read_bytes() == csv_table([])
     assert write_gradescope(journal, tmp_path / "x") == []
     names = ["ada", "Ada", "../eve", *(each for each in HOSTILE if each.isprintable())]
@@ -141,8 +142,28 @@ def test_a_test_says_what_the_feedback_says_and_what_a_person_marked_or_changed_
 
 def test_another_format_is_refused_with_those_there_are():
     for name, more in [("nbgrader", ".*later version"), ("xls", r"\.$")]:
-        with pytest.raises(ExportError, match=f"no format '{name}'; there are csv, gradescope, mo.*{more}"):
+        with pytest.raises(
+            ExportError, match=f"no format '{name}'; there are csv, json, gradescope, mo.*{more}"
+        ):
             exports.check_format(name)
+
+
+def test_a_students_address_login_and_section_are_in_the_tables_and_all_points_in_the_json(journal, tmp_path):
+    journal.keep(result("ada", exercise(earned=1.5), answer(), handed_in="2026-11-20 23:59+00:00"))
+    journal.keep(result("ada", exercise(), lesson="02_x"))
+    journal.keep(result("bob", lesson="02_x", status="refused", reason="it is empty"))
+    journal.know([Student("ada", "Ada L.", "ada@uni.example", "al12", "A")])
+    who = {"student": "ada", "name": "Ada L.", "email": "ada@uni.example", "login": "al12", "section": "A"}
+    with exports.write_csv(journal, tmp_path).open(encoding="utf-8-sig", newline="") as file:
+        assert who.items() <= next(csv.DictReader(file)).items()
+    ada, bob = json.loads(exports.write_json(journal, tmp_path).read_text("utf-8"))
+    assert who.items() <= ada.items() and ada["total"] == 3.5 and list(ada["lessons"]) == [LESSON, "02_x"]
+    lesson = ada["lessons"][LESSON]
+    assert (lesson["points"], lesson["out_of"], lesson["handed_in"]) == (1.5, 4, "2026-11-20 23:59+00:00")
+    assert lesson["exercises"] == [
+        {"name": "rgb_to_hsl", "number": "1.1", "out_of": 2, "points": 1.5, "state": "right"}
+    ]
+    assert lesson["questions"][0]["points"] is None and bob["lessons"]["02_x"]["notes"] == ["it is empty"]
 
 
 def command(*words, status=None):
@@ -159,14 +180,14 @@ def test_the_commands_write_and_refuse_in_a_sentence(tmp_path):
     with Journal(grades) as journal:
         journal.keep(result("ada", exercise(), answer()))
     assert "grades.csv" in command(*export, "csv") and (grades / "exports" / "grades.csv").is_file()
-    assert "there are csv, gradescope" in command(*export, "nbgrader", status=1)
+    assert "there are csv, json, gradescope" in command(*export, "nbgrader", status=1)
     assert "no lesson '7' was graded" in command(*export, "csv", "--lesson", "7")
     sheet = grades / "marking" / "01_hsl_filtering_why_hsl.csv"
     assert "1 answer, 1 to mark" in command("marks", grades)
     assert "Still to mark: 1 answer (ada)" in command("marks", grades, sheet)
     sheet.write_bytes(sheet.read_bytes().replace(b"shadows.,,", b'shadows.,"1,5",Fine'))
     done = command("marks", grades, sheet)
-    assert "1 mark read, 1 of them new or changed" in done and "Nothing is left" in done
+    assert "read, 1 of them new or changed" in done and "Nothing is left" in done
     page = (grades / "feedback" / "ada" / f"{LESSON}.html").read_text(encoding="utf-8")
     assert "1.5 of 2 points" in page and "Fine" in page
     assert "report.html" in command("report", grades)

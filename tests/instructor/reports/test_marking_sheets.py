@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from nao_course._internal.tables import TableError, read_table
 from nao_course.instructor.autograding.secret import student_code
 from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.scores import all_scores
 from nao_course.instructor.reports.marking_sheets import HEADER, MORE, MarksError, read_marks, write_sheets
 from tests.pages import HOSTILE, RUBRIC, Page, answer, exercise, mark, result, words
 
@@ -86,7 +87,7 @@ def test_a_mark_stands_in_the_next_sheet_and_beside_an_answer_that_has_changed(j
     (written,) = write_sheets(journal, tmp_path / "marking", code)
     row = row_of(written.table, "ada")
     assert (row["answer"], row["points"], written.open) == ("A new answer.", "", len(STUDENTS))
-    assert [row[name] for name in MORE[1:]] == ["=I am ada\nand, that; is all", "1.5", "-0.5: the sun"]
+    assert [row[name] for name in MORE[1:4]] == ["=I am ada\nand, that; is all", "1.5", "-0.5: the sun"]
     page = Page(written.page.read_text("utf-8")).text
     assert "A new answer." in page and "to mark again (1.5 for an earlier" in page and "I am ada" in page
     save(written.table, filled(written.table, ["", "", "1", ""], ""))
@@ -172,7 +173,7 @@ def test_asterisks_in_a_question_and_a_rubric_are_emphasis(tmp_path):
 
 def test_an_anonymous_sheet_and_page_name_nobody_and_come_back_to_the_students(journal, tmp_path):
     for name in STUDENTS:
-        journal.keep(result(name, exercise(), answer(text="Because of the hue.")))
+        journal.keep(result(name, exercise(), answer(text=f"Because of hue {STUDENTS.index(name)}.")))
     journal.keep(result("Benjamin", exercise(), answer(text="")))
     (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=True)
     both = written.table.read_bytes().decode() + written.page.read_text(encoding="utf-8")
@@ -309,3 +310,119 @@ def test_any_name_answer_and_comment_survives_the_round(tmp_path_factory, name, 
         (written,) = write_sheets(kept, folder, code)
         taken = read_marks(kept, written.table, code)
         assert (taken.read, taken.changed) == (1, ())
+
+
+# --- several markers ---
+
+
+def marked(path, points):
+    """Fill in a sheet's points by student, and return the rows that were there."""
+    header, *rows = rows_of(path)
+    for row in rows:
+        row[header.index("points")] = points.get(row[0].removeprefix("'"), row[header.index("points")])
+    save(path, [header, *rows])
+    return rows
+
+
+def test_parts_for_several_markers_have_each_answer_once_and_replace_the_whole_sheet(
+    journal, sheet, tmp_path
+):
+    journal.keep(result("Benjamin", exercise(), answer(text="")))
+    parts = write_sheets(journal, tmp_path / "marking", code, parts=3)
+    assert [each.table.name for each in parts] == [f"{LESSON}_{QUESTION}.{k}of3.csv" for k in (1, 2, 3)]
+    assert sorted(row["student"] for each in parts for row in read_table(each.table, HEADER, MORE)) == sorted(
+        STUDENTS
+    )
+    assert sum("Benjamin" in each.page.read_text("utf-8") for each in parts) == 1
+    assert not sheet.exists() and not sheet.with_suffix(".html").exists()
+    marked(parts[0].table, {"ada": "1", "=1+1": "1", "007": "1"})
+    with pytest.raises(MarksError, match="1of3.csv, row 2, has a mark that was not read in"):
+        write_sheets(journal, tmp_path / "marking", code)
+    taken = read_marks(journal, parts[0].table, code, "ben")
+    assert {each.given_by for each in taken.changed} == {"ben"}
+    (whole,) = write_sheets(journal, tmp_path / "marking", code)
+    assert {each.name for each in whole.table.parent.iterdir()} == {whole.table.name, whole.page.name}
+
+
+def test_a_mark_of_another_person_is_not_replaced_unless_the_sheet_shows_it(journal, sheet, tmp_path):
+    old = sheet.read_bytes()
+    marked(sheet, {"ada": "1.5"})
+    read_marks(journal, sheet, code, "ben")
+    sheet.write_bytes(old)
+    marked(sheet, {"ada": "0.5", "007": "2"})
+    with pytest.raises(MarksError, match="row 4: 'ada' has 1.5 by ben since this sheet was written"):
+        read_marks(journal, sheet, code, "cleo")
+    assert given_marks(journal) == {"ada": (1.5, "")}
+    assert read_marks(journal, sheet, code, "ben").replaced == ("ada: 1.5 by ben before, now 0.5 by ben",)
+    (written,) = write_sheets(journal, tmp_path / "marking", code)
+    assert "0.5 of 2 by ben" in Page(written.page.read_text("utf-8")).text
+    marked(written.table, {"ada": "2"})
+    taken = read_marks(journal, written.table, code, "cleo")
+    assert taken.replaced == ("ada: 0.5 by ben before, now 2 by cleo",)
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_second_marks_count_for_nothing_and_are_compared(journal, tmp_path, order):
+    first, second = write_sheets(journal, tmp_path / "marking", code, double=True)
+    marked(first.table, {"ada": "2", "007": "1.5"})
+    marked(second.table, {"ada": "1", "007": "1"})
+    sheets = ((first, "ben"), (second, "cleo"))
+    for number in order:
+        taken = read_marks(journal, sheets[number][0].table, code, sheets[number][1])
+        assert len(taken.open) == len(STUDENTS) - 2
+    assert taken.differing == (f"ada, {QUESTION}: 2 by ben, 1 by cleo",)
+    scores = {each.result.student: each for each in all_scores(journal)}
+    assert (
+        scores["ada"].earned == 4 and len(scores["007"].second_marks) == 1 and scores["007"].differing == []
+    )
+    for each in write_sheets(journal, tmp_path / "marking", code, double=True):
+        assert ("cleo" in each.page.read_text("utf-8")) == (".second" in each.page.name)
+    (written,) = write_sheets(journal, tmp_path / "marking", code)
+    assert "ada has two marks: 2 by ben, 1 by cleo" in Page(written.page.read_text("utf-8")).text
+
+
+def test_a_second_mark_is_another_persons(journal, tmp_path):
+    for each in write_sheets(journal, tmp_path / "marking", code, double=True):
+        marked(each.table, {"ada": "2"})
+        if ".second" in each.table.name:
+            with pytest.raises(MarksError, match="ben gave 'ada' the first mark, too"):
+                read_marks(journal, each.table, code, "ben")
+        else:
+            read_marks(journal, each.table, code, "ben")
+
+
+@pytest.mark.parametrize("anonymous", [False, True])
+def test_the_same_words_are_marked_once_for_all_who_wrote_them(journal, tmp_path, anonymous):
+    for name, text in (
+        ("ada", "The  sun.\n"),
+        ("007", "the sun."),
+        ("Cleo", "The sun."),
+        ("dan", "The moon."),
+    ):
+        journal.keep(replace(result(name, exercise(), answer(text=text)), submission=text))
+    (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=anonymous)
+    rows = read_table(written.table, HEADER, MORE)
+    assert len(rows) == 4 and written.answers == written.open == 6
+    named = code if anonymous else str
+    (row,) = (row for row in rows if "sun" in row["answer"])
+    assert {row["student"], *row["same answer"].splitlines()} == set(map(named, ("ada", "007", "Cleo")))
+    assert Page(written.page.read_text("utf-8")).text.count("The same words, marked once for all:") == 1
+    journal.keep(replace(result("Cleo", exercise(), answer(text="The stars.")), submission="later"))
+    marked(written.table, {row["student"]: "1.5"})
+    assert len(read_marks(journal, written.table, code, "ben").changed) == 3
+    counting = {each.result.student: each.marks for each in all_scores(journal)}
+    assert [len(counting[name]) for name in ("ada", "007", "Cleo", "dan")] == [1, 1, 0, 0]
+    journal.mark([mark(0.5, student="dan", text="The moon.", given_by="cleo")])
+    marked(written.table, {row["student"]: "1.5", named("dan"): "1"})
+    with pytest.raises(MarksError, match=f"'{named('dan')}' has 0.5 by cleo since"):
+        read_marks(journal, written.table, code, "ben")
+    marked(written.table, {named("dan"): ""})
+    journal.mark([mark(0.5, student="007", text="the sun.", given_by="cleo")])
+    with pytest.raises(MarksError, match=f"'{named('007')}' has 0.5 by cleo since") as error:
+        read_marks(journal, written.table, code, "ben")
+    assert str(error.value).count("row ") == 1
+    journal.mark([mark(1.5, student="007", text="the sun.", given_by="ben")])
+    journal.keep(replace(result("eve", exercise(), answer(text="The sun.")), submission="later"))
+    (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=anonymous)
+    text = Page(written.page.read_text("utf-8")).text
+    assert f"marked differently: {named('eve')} (to mark)" in text and "(1.5 by ben)" in text

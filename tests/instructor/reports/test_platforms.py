@@ -7,6 +7,7 @@ import zipfile
 import pytest
 
 from nao_course._internal.tables import TableError
+from nao_course.instructor.collecting.roster import Roster, Student
 from nao_course.instructor.gradebook.scores import scores
 from nao_course.instructor.reports.platforms import MOODLES_COLUMNS, feedback_zip, fill_sheet
 from tests.pages import answer, exercise, result
@@ -175,3 +176,121 @@ def test_feedback_has_the_names_that_a_platform_gave():
         with zipfile.ZipFile(io.BytesIO(archive)) as made:
             assert {name: made.read(name) for name in made.namelist()} == files
         assert left_out == without and feedback_zip(platform, PAGES)[0] == archive
+
+
+# --- platforms whose sheets name students by login, address or number ---
+
+ROSTER = Roster(
+    [
+        Student("Ada Lovelace", "Ada Lovelace", "ada@uni.example", "ada", aliases={"s001": ""}),
+        Student("Žofie Nováková_1234568", "Žofie Nováková", login="zofie"),
+        Student("Eve", "Eve Adams", "eve@uni.example"),
+    ]
+)
+GRADED = scores(
+    [
+        result("Ada Lovelace", exercise(points=2.0, earned=1.5)),
+        result("Žofie Nováková_1234568", exercise(points=2.0, earned=2.0)),
+        result("Eve", exercise(points=2.0, earned=1.0)),
+    ]
+)
+SHEETS = {  # the sheet, the points of Ada, Žofie and Ben in it, and the header of these points
+    "brightspace": (
+        "OrgDefinedId,Username,Last Name,First Name,Email,Essay Points Grade <Numeric MaxPoints:5>,"
+        "Lesson 01 Points Grade <Numeric MaxPoints:2 Weight:10>,End-of-Line Indicator\n"
+        "#s001,#alovelace,Lovelace,A.,,,,#\n#s002,#zofie,Nováková,Žofie,,1,,#\n#s003,#ben,Bee,Ben,,,1,#\n",
+        ["1.5", "2"],
+        "Lesson 01",
+    ),
+    "blackboard": (
+        '"Last Name"\t"First Name"\t"Username"\t"Student ID"\t"Lesson 01 [Total Pts: 2 Score] |4711"\n'
+        '"Lovelace"\t"Ada"\t"unknown"\t"s001"\t""\n"Nováková"\t"Žofie"\t"zofie"\t""\t"In Progress"\n'
+        '"Bee"\t"Ben"\t"ben"\t"s003"\t"1"\n',
+        ["1.5", "2", "1"],
+        "",
+    ),
+    "ilias": (
+        "update;usr_id;login;lastname;firstname;status;mark;notice;comment;plag_flag;plag_comment\n"
+        "0;12;ada;Lovelace;Ada;notgraded;;;points;;\n0;13;zofie;Nováková;Žofie;passed;1;;;;\n"
+        "0;14;ben;Bee;Ben;notgraded;1;;;;\n",
+        ["1.5", "2", "1"],
+        "",
+    ),
+    "google": (
+        "Last Name,First Name,Email Address,Lesson 01\n,,Date,2026-11-20\n,,Points,2\n"
+        "Lovelace,Ada,ADA@uni.example,\nNováková,Žofie,other@uni.example,1\nBee,Ben,ben@uni.example,1\n",
+        ["2026-11-20", "2", "1.5", "2", "1"],
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("platform", SHEETS)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_each_platform_gets_its_sheet_back_with_the_points_and_all_else_as_it_was(
+    tmp_path, platform, encoding
+):
+    text, points, column = SHEETS[platform]
+    filled = fill_sheet(platform, sheet(tmp_path, text, encoding), GRADED, column, roster=ROSTER)
+    header, *after = rows(filled.table)
+    (at,) = (at for at, name in enumerate(header) if name.startswith("Lesson 01") or name == "mark")
+    assert [row[at] for row in after] == points and filled.filled == 2
+    assert filled.without_row == ("Eve",) and len(filled.without_grade) == 1
+    before = list(
+        csv.reader(io.StringIO(text), delimiter={"blackboard": "\t", "ilias": ";"}.get(platform, ","))
+    )
+    if platform == "brightspace":
+        assert header == [before[0][at] for at in (0, 1, 6, 7)] and after[0] == [
+            "#s001",
+            "#alovelace",
+            "1.5",
+            "#",
+        ]
+    elif platform == "ilias":
+        assert [row[0] for row in after] == ["1", "1", "0"]
+        assert [row[1:6] + row[7:] for row in after] == [row[1:6] + row[7:] for row in before[1:]]
+    else:
+        assert [row[:at] + row[at + 1 :] for row in (header, *after)] == [
+            row[:at] + row[at + 1 :] for row in before
+        ]
+
+
+@pytest.mark.parametrize(
+    ("platform", "old", "new", "said"),
+    [
+        (
+            "brightspace",
+            "MaxPoints:2 ",
+            "MaxPoints:100 ",
+            "the maximum in Brightspace is 100 points.*--scale",
+        ),
+        ("blackboard", "Total Pts: 2 ", "Total Pts: up to 100 ", "the maximum in Blackboard is 100 points"),
+        ("google", "Points,2", "Points,100", "the maximum in Google Classroom is 100 points"),
+        ("google", "Lovelace,Ada,ADA", "Lovelace,Ada,eve", None),
+        ("blackboard", '"unknown"\t"s001"', '"zofie"\t""', "rows 2 and 3: both have the number Žofie"),
+        ("ilias", ";mark;", ";note;", "is not ILIAS's sheet of grades: it has no column for points"),
+        ("blackboard", "Username", "Nickname", None),
+        ("google", "Email Address", "Address", "no column with logins, e-mail addresses or numbers"),
+    ],
+)
+def test_what_is_no_sheet_of_the_platform_or_names_a_student_twice_is_refused(
+    tmp_path, platform, old, new, said
+):
+    text, _, column = SHEETS[platform]
+    assert old in text
+    path = sheet(tmp_path, text.replace(old, new))
+    if said is None:  # another column, or the name, says who it is
+        assert fill_sheet(platform, path, GRADED, column, roster=ROSTER).filled == 2
+        return
+    with pytest.raises(TableError, match=said):
+        fill_sheet(platform, path, GRADED, column, roster=ROSTER)
+
+
+def test_the_column_must_be_named_where_a_sheet_has_several(tmp_path):
+    with pytest.raises(TableError, match="--column 'Essay Points Grade"):
+        fill_sheet("brightspace", sheet(tmp_path, SHEETS["brightspace"][0]), GRADED, roster=ROSTER)
+    hundred = SHEETS["brightspace"][0].replace("MaxPoints:2 ", "MaxPoints:100 ")
+    filled = fill_sheet(
+        "brightspace", sheet(tmp_path, hundred), GRADED, "lesson 01", roster=ROSTER, scale=True
+    )
+    assert [row[2] for row in rows(filled.table)][1:] == ["75", "100"]

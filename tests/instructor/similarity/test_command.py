@@ -7,13 +7,14 @@ import nbformat
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks.course.similar import disguised
+from benchmarks.course.similar import disguised, renamed
 from nao_course import cli
 from nao_course.exercises.definitions import load_definitions
 from nao_course.instructor.similarity import comparing
 from nao_course.instructor.similarity.comparing import LONGEST, MOST_SHOWN, Comparison, SimilarPair, Work
+from nao_course.instructor.similarity.course_answers import CourseAnswers, SameWords
 from nao_course.instructor.similarity.own_code import with_executed_texts
-from nao_course.instructor.similarity.page import similar_page
+from nao_course.instructor.similarity.page import Found, similar_page
 from tests.instructor.similarity.test_comparing import OWN
 from tests.pages import HOSTILE, Page
 from tests.paths import PROJECT
@@ -121,7 +122,8 @@ def test_hostile_names_and_code_stay_text(text):
     first, second = Work(text, (text, text * 3)), Work("ben", (text,))
     pair = SimilarPair(first, second, (0.5, 0.1), 40, ([(1, 3), (4, 9)], [(0, len(text))]))
     common = comparing.CommonCode((first, second), (0.5, 1.0), [(1, 3)])
-    page = Page(similar_page({LESSON: Comparison(2, [pair], [common])}, [text]))
+    copied, words = CourseAnswers(text, (text,), 3), SameWords(text, (text, "ben"), True, text)
+    page = Page(similar_page({LESSON: Found(Comparison(2, [pair], [common]), [copied], [words])}, [text]))
     assert page.offences() == [] and page.text.count("marked in the first notebook") == 1
 
 
@@ -129,10 +131,31 @@ def test_only_the_first_pairs_show_their_code_and_of_it_what_is_near_a_passage()
     code = "".join(f"line_{number}\n" for number in range(40))
     start, work = code.index("line_20"), Work("ada", (code,))
     pair = SimilarPair(work, work, (1, 1), 40, ([(start, start + 7)], []))
-    page = Page(similar_page({LESSON: Comparison(2, [pair])}, []))
+    page = Page(similar_page({LESSON: Found(Comparison(2, [pair]))}, []))
     shown = page.text.partition("[16 other lines]")[2].partition("[16 other lines]")[0]
     assert shown.split() == [f"line_{number}" for number in range(16, 24)]
     pairs = [SimilarPair(work, Work(f"s{k}", ("y",)), (0.5, 0.5), 40) for k in range(MOST_SHOWN + 5)]
-    page = Page(similar_page({LESSON: Comparison(2, pairs)}, []))
+    page = Page(similar_page({LESSON: Found(Comparison(2, pairs))}, []))
     assert page.tags.count("section") == MOST_SHOWN and page.tags.count("tr") == MOST_SHOWN + 6
     assert f"ada and s{MOST_SHOWN + 4}" in page.text
+
+
+def test_the_courses_own_solution_and_its_words_are_found_whatever_its_names_are(tmp_path):
+    folder = tmp_path / "in"
+    solution = nbformat.read(PROJECT / "solutions" / f"{LESSON}.ipynb", as_version=4)
+    for student, change in (("ada", str), ("eve", renamed)):
+        notebook = nbformat.from_dict(solution)
+        for cell in notebook.cells:
+            if cell.metadata.get("nao_course", {}).get("role") == "exercise":
+                cell.source = change(cell.source)
+        (folder / student).mkdir(parents=True)
+        nbformat.write(notebook, folder / student / f"{LESSON}.ipynb")
+    hand_in(folder, "ben", OWN)
+    done, page = similar(folder)
+    assert (
+        "3 notebooks, 0 similar pairs, 2 with the course's own answers, 1 group with the same words"
+        in done.output
+    )
+    assert "The course's own answers: 2 students" in page.text and "3 of 3" in page.text
+    assert "ada, eve, the course's model answer" in page.text and "ben" not in page.text
+    assert page.offences() == []
