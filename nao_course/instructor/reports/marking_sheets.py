@@ -525,7 +525,7 @@ def _shown(
         names = ", ".join(other.named(said.anonymous) for other in others)
         yield element("p", "The same words, marked once for all: ", names, class_="small warn")
     if otherwise:
-        yield element("p", "The same words, marked differently: ", otherwise, class_="small warn")
+        yield element("p", "The same words, in another row: ", otherwise, class_="small warn")
     yield element("div", each.answer.text.strip(), class_="said", dir="auto")
     for one in group:
         if one.answer.note:

@@ -425,4 +425,4 @@ def test_the_same_words_are_marked_once_for_all_who_wrote_them(journal, tmp_path
     journal.keep(replace(result("eve", exercise(), answer(text="The sun.")), submission="later"))
     (written,) = write_sheets(journal, tmp_path / "marking", code, anonymous=anonymous)
     text = Page(written.page.read_text("utf-8")).text
-    assert f"marked differently: {named('eve')} (to mark)" in text and "(1.5 by ben)" in text
+    assert f"in another row: {named('eve')} (to mark)" in text and "(1.5 by ben)" in text
