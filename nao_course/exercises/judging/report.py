@@ -315,7 +315,8 @@ def _one_mistake(
             continue
         if answers and all(map(_is_unwritten, answers.values())):
             continue
-        if {exercise.cases[i].part for i, answer in given.items() if not _is_unwritten(answer)} - failing:
+        written = {i for i, answer in given.items() if i < len(outcomes) and not _is_unwritten(answer)}
+        if {exercise.cases[i].part for i in written} - failing:
             continue
         found = [(answer, outcomes[i]) for i, answer in answers.items()]
         if all(is_unstable(each[0]) or same_answer(exercise, *each) for each in found):
