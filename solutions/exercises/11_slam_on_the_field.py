@@ -451,7 +451,7 @@ JOINT_DISTANCE = Exercise(
             You return the squared distance. Take its root, because a gate is in standard deviations.
         bearings not wrapped: warp2pi(innovation[::2]) => innovation[::2]
             For a landmark straight behind the robot your bearing innovation is off by a full turn. Wrap it.
-        range before bearing: - expected_measurement(state[:3], state[columns]) => - expected_measurement(state[:3], state[columns])[::-1]
+        expected range first: - expected_measurement(state[:3], state[columns]) => - expected_measurement(state[:3], state[columns])[::-1]
             You exchange bearing and range of the expected measurement. expected_measurement returns (bearing, range).
         range wrapped, too: innovation[::2] = warp2pi(innovation[::2]) => innovation = warp2pi(innovation)
             You also wrap the innovation of the range. A range is not an angle, so wrap only the bearings, innovation[::2].
