@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory):
+def reported(tmp_path_factory):
     if not shutil.which("npm"):
         pytest.skip("npm is not installed")
     folder = tmp_path_factory.mktemp("node")
@@ -30,12 +30,12 @@ def told(tmp_path_factory):
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def test_plain_values_are_sent_and_received_without_numpy(told):
-    assert told["python"] == [3, 14] and told["codec"]
+def test_plain_values_are_sent_and_received_without_numpy(reported):
+    assert reported["python"] == [3, 14] and reported["codec"]
 
 
-def test_new_syntax_and_late_annotations_run_and_annotate_is_no_function_of_the_notebook(told):
-    for version, loaded in told["loaded"].items():
+def test_new_syntax_and_late_annotations_run_and_annotate_is_no_function_of_the_notebook(reported):
+    for version, loaded in reported["loaded"].items():
         assert loaded["names"] == ["Box", "first", "guarded", "late", "nested", "template"], version
         assert loaded["results"] == {
             "late": 1,
