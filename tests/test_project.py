@@ -109,7 +109,9 @@ def test_what_a_student_runs_is_what_the_instructor_tests():
     assert student - hub == set()
 
 
-@pytest.mark.parametrize("name", ["web/package-lock.json", "deploy/hub/package-lock.json"])
+@pytest.mark.parametrize(
+    "name", ["web/package-lock.json", "deploy/hub/package-lock.json", "tests/versions/package-lock.json"]
+)
 def test_a_lock_of_npm_holds_hashes_and_no_address(name):
     text = (PROJECT / name).read_text(encoding="utf-8")
     packages = json.loads(text)["packages"]

@@ -287,7 +287,7 @@ def test_no_module_imports_what_is_private_to_another():
 
 
 def test_a_test_module_stands_where_its_module_stands():
-    own = {"attacks", "browser", "real_life", "toy", "benchmarks", "deploy", "website"}
+    own = {"attacks", "browser", "real_life", "toy", "versions", "benchmarks", "deploy", "website"}
     folders = {name.replace(".", "/") for name in packages()} | own
     astray = [
         path.relative_to(PROJECT).as_posix()
