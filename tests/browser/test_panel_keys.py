@@ -17,6 +17,8 @@ KINDS = ("HeadPanel", "FilterPanel", "RealityDial", "PhoneLab", "LapPanel", "Fil
 KINDS += ("AssociationPanel", "ExplorePanel", "ControlPanel")
 KEYS = [*string.ascii_lowercase, *string.digits, "+", "-", "Shift+M", "Space", "Enter", "Backspace", "Delete"]
 KEYS += ["Home", "End", "PageUp", "PageDown", "ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "Escape"]
+# Of these JupyterLab's own are tried at every place, and the others at a panel's first place.
+JUPYTER = [*"abcdijkmrsvxyz01", "Shift+M", "Space", "Enter", "Delete", "Escape"]
 # What a reader clicks to use a panel
 PLACES = ("button:enabled", ".noUi-handle", ".nao-keys", ".nao-film", ".nao-world canvas, .nao-world img")
 PLACES += (".nao-chosen img, .nao-pad-over", ".nao-face canvas")
@@ -51,7 +53,7 @@ def test_no_key_in_a_panel_changes_the_notebook(notebook, kind):
     assert places
     for place in places:
         panel.locator(place).first.click()
-        for key in KEYS:
+        for key in KEYS if place == places[0] else JUPYTER:
             for _ in range(2):  # D D, I I and 0 0 are JupyterLab's
                 notebook.keyboard.press(key)
             assert notebook.evaluate(_SOURCES) == before, (place, key)
