@@ -562,6 +562,20 @@ def marks(
 
 
 @app.command(hidden=_STUDENTS)
+def oral(
+    grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
+    lesson: str = typer.Option("", help="Number of the lesson, if several were graded."),
+    student: str = typer.Option("", help="Any name of a student; by default all."),
+) -> None:
+    """Write a page with questions for five minutes about each student's own submission (instructors)."""
+    with _errors_in_words():
+        from nao_course.instructor import marking_commands
+
+        for line in marking_commands.write_oral_check(grades, lesson, student):
+            _say(line)
+
+
+@app.command(hidden=_STUDENTS)
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Write a page about the class: scores, exercises and refused submissions (instructors)."""
     with _errors_in_words():

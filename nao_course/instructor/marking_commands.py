@@ -11,14 +11,25 @@ from nao_course.instructor import student_commands
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
+from nao_course.instructor.collecting import files
 from nao_course.instructor.collecting.archives import Refused
+from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.commands import handed_in_before
 from nao_course.instructor.feedback_pages import write_pages
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult
-from nao_course.instructor.looking_up import list_problems, login, results_of, without_result
+from nao_course.instructor.looking_up import (
+    graded_lesson,
+    list_problems,
+    login,
+    only_lesson,
+    result_of,
+    results_of,
+    without_result,
+)
 from nao_course.instructor.personal_numbers import PersonalNumbers
 from nao_course.instructor.reports import comment_sheets, marking_sheets
+from nao_course.instructor.reports.html import write_whole
 from nao_course.instructor.similarity.own_code import defining_cell, own_code
 
 _SHOWN = 20  # names, and lines of one kind
@@ -141,3 +152,31 @@ def read_comments(grades: Path, file: Path, by: str = "") -> Iterator[str]:
         pages = write_pages(journal, grades, concerned)
         yield f"{say_count(len(changed), 'comment')} new or changed, on {say_count(len(pages), 'feedback page')}"
         yield from list_problems(journal)
+
+
+def write_oral_check(grades: Path, lesson: str, student: str = "") -> Iterator[str]:
+    """Write a page with questions about a lesson's submissions, or one student's; yield what to say about it.
+
+    Raise a ValueError if there is no such lesson or student.
+    """
+    from nao_course.instructor.reports import oral_check  # it loads what makes mutants
+
+    course = load_course()
+    with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
+        name = graded_lesson(journal, lesson) or only_lesson(journal)
+        results = [result_of(journal, student, name)] if student else list(journal.each_result(name))
+        submissions = handed_in_before(course, journal, scratch, [name])
+        questions = course.plan(name).questions
+        checks = []
+        for result in sorted(results, key=lambda each: each.student):
+            try:
+                submission = submissions[result.student, name]
+                cells, notebook = own_code(submission).cells, files.read(submission).notebook
+            except (KeyError, Refused, OSError):
+                yield f"{result.student}: no notebook that can be read is in the folders of the earlier runs"
+                continue
+            check = oral_check.oral_check(result, partial(defining_cell, cells), notebook, questions)
+            yield f"{result.student}: {say_count(check.count, 'question')}"
+            checks.append(check)
+    file = f"{name}_{safe_name(results[0].student)}.html" if student else f"{name}.html"
+    yield f"wrote {write_whole(grades / oral_check.FOLDER / file, oral_check.oral_page(name, checks))}"
