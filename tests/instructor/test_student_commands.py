@@ -71,7 +71,10 @@ def grader(tmp_path, monkeypatch, secret):
     """Make a course of three lessons in the working folder, each of which uses the earlier ones; return its grader."""
     (tmp_path / "course" / "solutions").mkdir(parents=True)
     deadlines = "".join(f"{number} = {day}T23:59:00+01:00\n" for number, day in DUE.items())
-    extension = f'[extensions."{LOGINS[3]}@uni.example"]\n01 = 2026-11-23T23:59:00+01:00\n'
+    extension = "".join(
+        f'[extensions."{name}@uni.example"]\n01 = 2026-11-23T23:59:00+01:00\n'
+        for name in (LOGINS[3], "nobody")
+    )
     (tmp_path / "course" / "course.toml").write_text(
         f'title = "Toy"\nversion = "1"\n[deadlines]\n{deadlines}[late]\nper_day = 0.1\n{extension}'
     )
@@ -174,7 +177,7 @@ PLATFORMS = {
 def download(folder, platform, number, late_by, resubmitted=()):
     """Write the download of an assignment, in which every third student has an older attempt with fewer answers.
 
-    Students who `resubmitted` have a newer one with more answers.
+    Students who `resubmitted` have a newer one with more answers, and ask to check an exercise again.
     """
     name_of, sheet_of = PLATFORMS[platform]
     lesson, files = LESSONS[number], {}
@@ -182,6 +185,8 @@ def download(folder, platform, number, late_by, resubmitted=()):
         for attempt in (*[1] * (who % 3 == 0), 2, *[3] * (who in resubmitted)):
             if name := name_of(number, who, attempt, late, lesson):
                 files[name] = answered(who % 4 + attempt)
+                if attempt == 3:
+                    files[re.sub(rf"{lesson}.*", "regrade_request.txt", name)] = b"rgb_to_hsl: It is right."
                 if platform == "Blackboard":
                     files[name.removesuffix(f"_{lesson}.ipynb") + ".txt"] = b"Name: (x)"
     sheet = folder / f"{platform} {number}.csv"
@@ -189,12 +194,12 @@ def download(folder, platform, number, late_by, resubmitted=()):
     return packed(folder / f"{platform} {number}.zip", files), sheet
 
 
-def mark_answers(grades, lesson):
+def mark_answers(grades, number):
     """Divide a lesson's answers between two markers, who mark what is open with a point; return how many they were."""
-    run("marks", grades, "--split", "2")
-    said = ""
+    said = run("marks", grades, "--split", "2", "--lesson", number)
+    assert said.count("wrote") == 2
     for by, part in (("ana", "1of2"), ("ben", "2of2")):
-        for sheet in sorted((grades / "marking").glob(f"{lesson}*.{part}.csv")):
+        for sheet in sorted((grades / "marking").glob(f"{number}_*.{part}.csv")):
             with sheet.open(encoding="utf-8-sig", newline="") as file:
                 rows = list(csv.DictReader(file))
             filled = [row | {"points": row["points"] or "1"} for row in rows]
@@ -212,8 +217,9 @@ def test_in_a_term_of_three_assignments_nobody_is_two_people_and_decisions_stay_
 ):
     """Run a term with two markers.
 
-    Dan has an extension by the e-mail address. Dan and Eva are two days late in 01, Finn leaves out 02, Gil and Hana
-    hand in 01 again, Ben and Hana have points by hand, and at the end Cleo's data are deleted.
+    Dan has an extension by the e-mail address, and so has a name that is not in the class. Dan and Eva are two days
+    late in 01, Finn leaves out 02, Gil and Hana hand in 01 again with a request, Ben and Hana have points by hand, and
+    at the end Cleo's data are deleted.
     """
     grades = tmp_path / "grades"
     for number in LESSONS:
@@ -229,7 +235,8 @@ def test_in_a_term_of_three_assignments_nobody_is_two_people_and_decisions_stay_
         said = run(*words)
         assert "WHO IS THIS" not in said and "NOT GRADED" not in said
         assert ("NO TIME" in said) == (platform == "Canvas")
-        assert mark_answers(grades, LESSONS[number]) == len(late_by)
+        assert said.partition("for names that no student has:")[2].split()[0] == "nobody@uni.example"
+        assert mark_answers(grades, number) == len(late_by)
         if number == "01":
             for who in (1, 7):
                 person = f"{LOGINS[who]}@uni.example"
@@ -239,7 +246,9 @@ def test_in_a_term_of_three_assignments_nobody_is_two_people_and_decisions_stay_
             assert "2 marked answers have changed" in said
             assert f"{NAMES[7]}, {LESSONS['01']}, rgb_to_hsl: 8 by hand for an earlier answer" in said
             assert f"{NAMES[1]}, {LESSONS['01']}" not in said
-            assert mark_answers(grades, LESSONS[number]) == 2
+            asked = [line for line in said.splitlines() if line.endswith("rgb_to_hsl: It is right.")]
+            assert [line.split(",")[0].strip() for line in asked] == [NAMES[who] for who in RESUBMITTED]
+            assert mark_answers(grades, number) == 2
         if platform != "Blackboard":
             more = ["--sheet", sheet, *(["--column", "Lesson"] if platform == "Canvas" else [])]
             said = run("export", grades, "--format", platform.lower(), "--lesson", number, *more)
