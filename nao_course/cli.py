@@ -530,6 +530,7 @@ def marks(
     comments: bool = typer.Option(
         False, "--comments", help="Write sheets and pages to comment on wrong answers, one kind at a time."
     ),
+    lesson: str = typer.Option("", help="Number of the lesson to write sheets for; by default all."),
     anonymous: bool = typer.Option(False, "--anonymous", help="Write sheets with codes instead of names."),
     worlds: Path | None = typer.Option(
         None,
@@ -552,12 +553,33 @@ def marks(
         if file and is_comment_sheet(file):
             lines = marking_commands.read_comments(grades, file, by)
         elif comments and not file:
-            lines = marking_commands.write_comment_sheets(grades, anonymous=anonymous)
+            lines = marking_commands.write_comment_sheets(grades, anonymous=anonymous, lesson=lesson)
         else:
             lines = marking_commands.marks(
-                grades, file, anonymous=anonymous, worlds=worlds, by=by, parts=split, double=double
+                grades,
+                file,
+                anonymous=anonymous,
+                worlds=worlds,
+                by=by,
+                parts=split,
+                double=double,
+                lesson=lesson,
             )
         for line in lines:
+            _say(line)
+
+
+@app.command(hidden=_STUDENTS)
+def oral(
+    grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal."),
+    lesson: str = typer.Option("", help="Number of the lesson, if several were graded."),
+    student: str = typer.Option("", help="Any name of a student; by default all."),
+) -> None:
+    """Write a page with questions for five minutes about each student's own submission (instructors)."""
+    with _errors_in_words():
+        from nao_course.instructor import marking_commands
+
+        for line in marking_commands.write_oral_check(grades, lesson, student):
             _say(line)
 
 

@@ -66,7 +66,7 @@ EDITIONS = {
         Edition(
             "student",
             "notebooks",
-            ("for_students", "notation", "real_data", "pictures"),
+            ("for_students", "for_language_models", "accessibility", "notation", "real_data", "pictures"),
             "Read the lessons here, and work on them in JupyterLab: [how to start](docs/for_students.md).",
         ),
         Edition(
@@ -83,6 +83,8 @@ EDITIONS = {
                 "write_a_challenge",
                 "notation",
                 "for_students",
+                "for_language_models",
+                "accessibility",
                 "setup",
                 "design",
                 "own_field",

@@ -71,35 +71,18 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
     Raise a ValueError if there is no journal, or the path is neither a folder nor a zip; exit with status 1 if a
     request could not be read.
     """
-    course, unread = load_course(), list[str]()
-    with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
+    unread = list[str]()
+    with (
+        Journal(grades, make=False, policy=load_course().late_policy) as journal,
+        scratch_folder() as scratch,
+    ):
         if submissions is not None:
-            texts, problems = request_files(submissions, scratch, course.names(), journal.roster())
-            found = []
-            for student in sorted({*texts, *(student for student, _ in problems if student)}):
-                with journal.for_one(student, "requests", "the file was not read"):
-                    results = list(journal.each_result(student=student))
-                    exercises = [
-                        AskedAbout(result.lesson, each.number, each.name)
-                        for result in results
-                        for each in result.exercises
-                    ]
-                    asked, lost = requests_in(texts.get(student, ""), exercises)
-                    lost += [problem for whose, problem in problems if whose == student]
-                    found += [Request(student, *exercise, said) for exercise, said in asked.items()]
-                    if lost:
-                        told = "\n".join(lost)
-                        found += [Request(student, each.lesson, "", told, _HOW_TO_ASK) for each in results]
-                    unread += [f"{student}: {line}" for line in lost]
-            unread += [problem for student, problem in problems if not student]
             with journal.command(f"requests {submissions}", login()):
-                new = {(each.student, each.lesson) for each in journal.request(found)}
-            write_pages(journal, grades, results_of(journal, sorted(new)))
+                unread = read_requests(journal, grades, submissions, scratch)
             yield from (f"NOT READ: {each}" for each in unread)
-        waiting = [each for each in journal.requests() if not each.answer]
+        waiting = open_requests(journal)
     yield f"{say_count(len(waiting), 'open request')}{':' if waiting else ''}"
-    for each in waiting:
-        yield f"{each.student}, {each.lesson}, {each.exercise}: {visible(' '.join(each.text.split()))}"
+    yield from waiting
     if waiting:
         yield (
             "Answer with nao-course regrade GRADES --student NAME --reason TEXT, and --set EXERCISE=POINTS or "
@@ -108,3 +91,39 @@ def requests(grades: Path, submissions: Path | None) -> Iterator[str]:
     yield from list_problems(journal)
     if unread:
         raise typer.Exit(1)
+
+
+def read_requests(journal: Journal, grades: Path, submissions: Path, scratch: Path) -> list[str]:
+    """Read the students' requests in a folder or zip, and write their pages; return a line for what cannot be read.
+
+    `scratch` is a folder of the caller's. Raise a ValueError if the path is neither a folder nor a zip.
+    """
+    texts, problems = request_files(submissions, scratch, load_course().names(), journal.roster())
+    found, unread = list[Request](), list[str]()
+    for student in sorted({*texts, *(student for student, _ in problems if student)}):
+        with journal.for_one(student, "requests", "the file was not read"):
+            results = list(journal.each_result(student=student))
+            exercises = [
+                AskedAbout(result.lesson, each.number, each.name)
+                for result in results
+                for each in result.exercises
+            ]
+            asked, lost = requests_in(texts.get(student, ""), exercises)
+            lost += [problem for whose, problem in problems if whose == student]
+            found += [Request(student, *exercise, said) for exercise, said in asked.items()]
+            if lost:
+                told = "\n".join(lost)
+                found += [Request(student, each.lesson, "", told, _HOW_TO_ASK) for each in results]
+            unread += [f"{student}: {line}" for line in lost]
+    new = {(each.student, each.lesson) for each in journal.request(found)}
+    write_pages(journal, grades, results_of(journal, sorted(new)))
+    return [*unread, *(problem for student, problem in problems if not student)]
+
+
+def open_requests(journal: Journal) -> list[str]:
+    """Return a line for each request without an answer."""
+    return [
+        f"{each.student}, {each.lesson}, {each.exercise}: {visible(' '.join(each.text.split()))}"
+        for each in journal.requests()
+        if not each.answer
+    ]

@@ -16,7 +16,7 @@ from rich.table import Table
 
 from nao_course._internal.counts import say_count
 from nao_course.exercises.versions import in_words, installed_versions, newer_than_here
-from nao_course.instructor import student_commands, submission_times
+from nao_course.instructor import class_commands, student_commands, submission_times
 from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
@@ -37,7 +37,7 @@ from nao_course.instructor.collecting.submissions import (
 from nao_course.instructor.feedback_pages import FEEDBACK, write_pages
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import SubmissionResult
-from nao_course.instructor.looking_up import result_of, results_of
+from nao_course.instructor.looking_up import result_of, results_of, unknown_extensions
 from nao_course.instructor.reports import status
 from nao_course.instructor.reports.html import write_whole
 
@@ -100,8 +100,9 @@ def grade_folder(
                 graded = {each.student for each in waiting}
                 journal.know(each for each in found.learned if each.student in graded)
                 summary = run(console, journal, out, waiting, machines)
+                unread = class_commands.read_requests(journal, out, path, scratch)
                 _show_found(console, found, submission_times.in_words(waiting))
-                _show(console, journal, summary, names, found)
+                _show(console, journal, summary, names, found, unread)
                 not_graded = (*summary.failed, *found.asked, *found.not_graded)
                 _list_not_graded(console, not_graded, out / NOT_GRADED)
             if summary.failed or journal.problems:
@@ -240,7 +241,12 @@ def _list(console: Console, titled: Iterable[tuple[str, Sequence[str]]]) -> None
 
 
 def _show(
-    console: Console, journal: Journal, summary: Summary, lessons: Iterable[str], found: Gathered
+    console: Console,
+    journal: Journal,
+    summary: Summary,
+    lessons: Iterable[str],
+    found: Gathered,
+    unread: Sequence[str] = (),
 ) -> None:
     """Print the result of a run, with a line for each refused submission."""
     for line in _versions(summary.written):
@@ -270,7 +276,13 @@ def _show(
             ("Seen by the sandbox", summary.attempts),
             ("Decisions on earlier answers", changed),
             ("Points by hand below the grader's (take back with nao-course regrade --unset)", lowering),
+            (
+                "Requests (answer with nao-course regrade --set or --keep)",
+                class_commands.open_requests(journal),
+            ),
+            ("Requests NOT READ", unread),
             ("NO TIME, so nothing is late", untimed),
+            ("Extensions in course.toml for names that no student has", unknown_extensions(journal)),
             ("FAILED for one student", journal.problems),
             *_not_counted(found, summary)[2:],
         ],

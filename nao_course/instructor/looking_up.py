@@ -28,7 +28,11 @@ def result_of(journal: Journal, student: str, lesson: str) -> SubmissionResult:
     if not results:
         names = {each.student for each in journal.each_result()}
         near = difflib.get_close_matches(student, names, 3)
-        hint = f"; is it {' or '.join(map(repr, near))}?" if near else ""
+        hint = (
+            f"; is it {' or '.join(map(repr, near))}?"
+            if near
+            else "; nao-course students GRADES lists all names"
+        )
         raise ValueError(f"the journal has no result of {student!r}{hint}")
     there = [each.lesson for each in results]
     meant = [each for each in results if not lesson or each.lesson in lesson_names.meant(lesson, there)]
@@ -69,6 +73,13 @@ def without_result(where: str, names: Iterable[str], journal: Journal) -> Iterat
         near = difflib.get_close_matches(name, students, 1)
         hint = f"; is it {near[0]!r}?" if near else ""
         yield f"{where}: {name!r} has no result{hint}"
+
+
+def unknown_extensions(journal: Journal) -> list[str]:
+    """Return the names in the extensions of course.toml that no student has, once a sheet says who is in the class."""
+    roster = journal.roster()
+    extensions = journal.policy.extensions if journal.policy else {}
+    return sorted(extensions.keys() - roster.students.keys()) if roster.is_listed else []
 
 
 def list_problems(journal: Journal) -> Iterator[str]:

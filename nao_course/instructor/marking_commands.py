@@ -11,14 +11,25 @@ from nao_course.instructor import student_commands
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
+from nao_course.instructor.collecting import files
 from nao_course.instructor.collecting.archives import Refused
+from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.commands import handed_in_before
 from nao_course.instructor.feedback_pages import write_pages
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult
-from nao_course.instructor.looking_up import list_problems, login, results_of, without_result
+from nao_course.instructor.looking_up import (
+    graded_lesson,
+    list_problems,
+    login,
+    only_lesson,
+    result_of,
+    results_of,
+    without_result,
+)
 from nao_course.instructor.personal_numbers import PersonalNumbers
 from nao_course.instructor.reports import comment_sheets, marking_sheets
+from nao_course.instructor.reports.html import write_whole
 from nao_course.instructor.similarity.own_code import defining_cell, own_code
 
 _SHOWN = 20  # names, and lines of one kind
@@ -33,20 +44,23 @@ def marks(
     by: str = "",
     parts: int = 1,
     double: bool = False,
+    lesson: str = "",
 ) -> Iterator[str]:
     """Write the marking sheets, or read one back and renew the feedback; yield what to say about it.
 
-    An `anonymous` sheet names students by codes; `worlds` is a CSV file with the names in the students' copies, by the
-    names in the gradebook. Each question's answers are divided into `parts`, and with `double` a second person gets a
-    sheet of each. `by` is who gave the marks in the file. Raise a ValueError if there is no journal, or if anything in
-    the file is wrong, so that nothing is read in.
+    Sheets are written for a `lesson`, by default for all. An `anonymous` sheet names students by codes; `worlds` is a
+    CSV file with the names in the students' copies, by the names in the gradebook. Each question's answers are divided
+    into `parts`, and with `double` a second person gets a sheet of each. `by` is who gave the marks in the file. Raise
+    a ValueError if there is no journal, or if anything in the file is wrong, so that nothing is read in.
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if file is None:
             copies = student_commands.names_in_copies(worlds, journal.roster()) if worlds else {}
             if worlds:
                 yield from without_result(worlds.name, copies, journal)
-            yield from _sheets(journal, grades, anonymous, copies, parts, double)
+            yield from _sheets(
+                journal, grades, anonymous, copies, parts, double, graded_lesson(journal, lesson)
+            )
             return
         by = by or login()
         with journal.command(f"marks {file.name}", by):
@@ -75,14 +89,20 @@ def _shortened(title: str, lines: Sequence[str]) -> Iterator[str]:
 
 
 def _sheets(
-    journal: Journal, grades: Path, anonymous: bool, worlds: Mapping[str, str], parts: int, double: bool
+    journal: Journal,
+    grades: Path,
+    anonymous: bool,
+    worlds: Mapping[str, str],
+    parts: int,
+    double: bool,
+    lesson: str | None,
 ) -> Iterator[str]:
     folder = grades / marking_sheets.FOLDER
     code = partial(student_code, load_secret())
     numbers = PersonalNumbers(load_course(), folder / "personal_numbers.json", worlds)
-    numbers.compute(journal.results())
+    numbers.compute(journal.results(lesson))
     written = marking_sheets.write_sheets(
-        journal, folder, code, anonymous=anonymous, numbers=numbers, parts=parts, double=double
+        journal, folder, code, anonymous=anonymous, numbers=numbers, parts=parts, double=double, lesson=lesson
     )
     for each in written:
         yield f"wrote {each.table} and .html: {say_count(each.answers, 'answer')}, {each.open} to mark"
@@ -93,15 +113,17 @@ def _sheets(
     yield from list_problems(journal)
 
 
-def write_comment_sheets(grades: Path, *, anonymous: bool = False) -> Iterator[str]:
+def write_comment_sheets(grades: Path, *, anonymous: bool = False, lesson: str = "") -> Iterator[str]:
     """Write a page and a table for each exercise with wrong answers; yield what to say about it.
 
-    Raise a ValueError if there is no journal, or a table has comments that were not read in.
+    They are written for a `lesson`, by default for all. Raise a ValueError if there is no journal, or a table has
+    comments that were not read in.
     """
     course = load_course()
     named = partial(student_code, load_secret()) if anonymous else str
     with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
-        lessons = sorted({each.lesson for each in journal.each_result()})
+        name = graded_lesson(journal, lesson)
+        lessons = sorted({each.lesson for each in journal.each_result(name)})
         submissions = handed_in_before(course, journal, scratch, lessons)
 
         @cache
@@ -114,7 +136,9 @@ def write_comment_sheets(grades: Path, *, anonymous: bool = False) -> Iterator[s
         def code_of(result: SubmissionResult, exercise: str) -> str:
             return defining_cell(cells(result.student, result.lesson), exercise)
 
-        written = comment_sheets.write_comment_sheets(journal, grades / comment_sheets.FOLDER, code_of, named)
+        written = comment_sheets.write_comment_sheets(
+            journal, grades / comment_sheets.FOLDER, code_of, named, name
+        )
     for path, kinds, answers in written:
         yield f"wrote {path} and .html: {say_count(answers, 'wrong answer')} of {say_count(kinds, 'kind')}"
     if written:
@@ -141,3 +165,31 @@ def read_comments(grades: Path, file: Path, by: str = "") -> Iterator[str]:
         pages = write_pages(journal, grades, concerned)
         yield f"{say_count(len(changed), 'comment')} new or changed, on {say_count(len(pages), 'feedback page')}"
         yield from list_problems(journal)
+
+
+def write_oral_check(grades: Path, lesson: str, student: str = "") -> Iterator[str]:
+    """Write a page with questions about a lesson's submissions, or one student's; yield what to say about it.
+
+    Raise a ValueError if there is no such lesson or student.
+    """
+    from nao_course.instructor.reports import oral_check  # it loads what makes mutants
+
+    course = load_course()
+    with Journal(grades, make=False, policy=course.late_policy) as journal, scratch_folder() as scratch:
+        name = graded_lesson(journal, lesson) or only_lesson(journal)
+        results = [result_of(journal, student, name)] if student else list(journal.each_result(name))
+        submissions = handed_in_before(course, journal, scratch, [name])
+        questions = course.plan(name).questions
+        checks = []
+        for result in sorted(results, key=lambda each: each.student):
+            try:
+                submission = submissions[result.student, name]
+                cells, notebook = own_code(submission).cells, files.read(submission).notebook
+            except (KeyError, Refused, OSError):
+                yield f"{result.student}: no notebook that can be read is in the folders of the earlier runs"
+                continue
+            check = oral_check.oral_check(result, partial(defining_cell, cells), notebook, questions)
+            yield f"{result.student}: {say_count(check.count, 'question')}"
+            checks.append(check)
+    file = f"{name}_{safe_name(results[0].student)}.html" if student else f"{name}.html"
+    yield f"wrote {write_whole(grades / oral_check.FOLDER / file, oral_check.oral_page(name, checks))}"

@@ -90,7 +90,8 @@ def without_time(journal: Journal, lesson: str | None = None) -> Iterator[str]:
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         yield (
             f"{each} has a deadline, and {len(names)} of {say_count(timed[each], 'submission')} "
-            f"{'has' if len(names) == 1 else 'have'} no time: {named}{more}. Give the platform's sheet with --sheet"
+            f"{'has' if len(names) == 1 else 'have'} no time: {named}{more}. Give a sheet with times "
+            "with --sheet; Canvas's has none, so there only files that it calls late are late"
         )
 
 

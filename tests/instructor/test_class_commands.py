@@ -14,7 +14,7 @@ from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.reports import feedback
-from tests.pages import Page, exercise, result
+from tests.pages import Page, answer, exercise, result
 from tests.toy import chain
 
 LESSON = chain.LESSON
@@ -150,6 +150,24 @@ def test_a_comment_is_written_once_and_stands_on_the_pages_of_its_kind(course, t
     assert all("Not three times." in page_of(grades, student) for student in ("ada", "ben"))
     run("marks", grades, "--comments", "--anonymous")
     assert "ada" not in Page(path.with_suffix(".html").read_text("utf-8")).text
+
+
+def test_questions_for_a_talk_are_about_what_each_student_handed_in(course, tmp_path):
+    folder, grades = tmp_path / "in", tmp_path / "grades"
+    chain.hand_in(folder, "ada", chain.notebook({"double": "def double(x):\n    return x + x  # my own"}))
+    with Journal(grades) as journal:
+        journal.began(folder)
+        for student in ("ada", "ben"):
+            journal.keep(result(student, exercise(name="double"), answer(text="I see."), lesson=LESSON))
+    said = run("oral", grades)
+    assert "ada: 2 questions" in said and "ben: no notebook that can be read is in the folders" in said
+    page = Page((grades / "oral" / f"{LESSON}.html").read_text("utf-8")).text
+    assert (
+        "return x + x # my own The marked line becomes return x - x" in page and "You wrote: I see." in page
+    )
+    assert f"{LESSON}_ada.html" in run("oral", grades, "--student", "ADA", "--lesson", LESSON)
+    assert "has no result of 'eve'" in run("oral", grades, "--student", "eve", status=1)
+    assert "no lesson '07' was graded" in run("oral", grades, "--lesson", "07", status=1)
 
 
 def run(*words, status=0):

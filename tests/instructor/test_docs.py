@@ -170,6 +170,12 @@ def test_what_is_said_to_be_tested_is(tests):
     assert [name for name in named if name not in tests | {attack.name for attack in ATTACKS}] == []
 
 
+def test_what_the_accessibility_statement_says_to_be_tested_is(tests):
+    rows = text_of("accessibility.md").split("| promise |")[1].split("\n\n")[0].splitlines()[2:]
+    named = [re.findall(r"`(test_\w+)`", row) for row in rows]
+    assert all(named) and {name for names in named for name in names} <= tests
+
+
 def test_every_rule_of_a_lesson_names_tests_that_there_are_and_every_test_of_a_rule_is_named(tests):
     text = text_of("write_a_lesson.md").split("## What a great lesson is")[1].split("\n## ")[0]
     rules = re.split(r"^(\d+)\. ", text, flags=re.MULTILINE)[1:]

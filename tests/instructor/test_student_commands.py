@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from concurrent.futures import Future
 from contextlib import contextmanager
 from types import SimpleNamespace
@@ -17,7 +18,7 @@ from nao_course.instructor.collecting.roster import Roster, Student
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult
 from tests.handed_in import answered, packed
-from tests.pages import exercise
+from tests.pages import answer, exercise
 
 LESSONS = {"01": "01_hsl_filtering", "02": "02_goal_posts", "04": "04_homography"}
 DUE = {"01": "2026-11-20", "02": "2026-11-27", "04": "2026-12-04"}
@@ -28,7 +29,10 @@ LOGINS = [f"u{number:02}" for number in range(20)]
 
 
 class Grader:
-    """A grader that gives a point for each answer, and remembers whose earlier notebooks it was given."""
+    """A grader that gives a point for each answer, and remembers whose earlier notebooks it was given.
+
+    Each notebook has an answer in words, which says how many others there are.
+    """
 
     def __init__(self):
         self.earlier = {}
@@ -36,7 +40,7 @@ class Grader:
     def submit(self, submission, assignment):
         files = read(submission)
         self.earlier[submission.student, submission.lesson] = [each.file for each in submission.earlier]
-        future = Future()
+        answers, future = files.notebook.count(b"return"), Future()
         future.set_result(
             SubmissionResult(
                 submission.student,
@@ -45,7 +49,8 @@ class Grader:
                 file=submission.file,
                 submission=files.hash,
                 assignment=assignment.hash,
-                exercises=(exercise(points=10.0, earned=float(files.notebook.count(b"return"))),),
+                exercises=(exercise(points=8.0, earned=float(answers)),),
+                written=(answer(text=f"{submission.student} has {answers}."),),
                 handed_in=submission.handed_in,
                 late=submission.late,
             )
@@ -66,7 +71,10 @@ def grader(tmp_path, monkeypatch, secret):
     """Make a course of three lessons in the working folder, each of which uses the earlier ones; return its grader."""
     (tmp_path / "course" / "solutions").mkdir(parents=True)
     deadlines = "".join(f"{number} = {day}T23:59:00+01:00\n" for number, day in DUE.items())
-    extension = f'[extensions."{LOGINS[3]}@uni.example"]\n01 = 2026-11-23T23:59:00+01:00\n'
+    extension = "".join(
+        f'[extensions."{name}@uni.example"]\n01 = 2026-11-23T23:59:00+01:00\n'
+        for name in (LOGINS[3], "nobody")
+    )
     (tmp_path / "course" / "course.toml").write_text(
         f'title = "Toy"\nversion = "1"\n[deadlines]\n{deadlines}[late]\nper_day = 0.1\n{extension}'
     )
@@ -115,7 +123,7 @@ def moodle(number, who, attempt, late, lesson):
 
 def canvas(number, who, attempt, late, lesson):
     last_first = "".join(filter(str.isalnum, "".join(reversed(NAMES[who].split())).lower()))
-    mark, again = "_LATE" if late else "", "-1" if attempt == 2 else ""
+    mark, again = "_LATE" if late else "", f"-{attempt - 1}" if attempt > 1 else ""
     return f"{last_first}{mark}_{5000 + who}_{int(number)}{who}{attempt}_{lesson}{again}.ipynb"
 
 
@@ -166,14 +174,19 @@ PLATFORMS = {
 }
 
 
-def download(folder, platform, number, late_by):
-    """Write the download of an assignment, in which every third student has an older attempt with fewer answers."""
+def download(folder, platform, number, late_by, resubmitted=()):
+    """Write the download of an assignment, in which every third student has an older attempt with fewer answers.
+
+    Students who `resubmitted` have a newer one with more answers, and ask to check an exercise again.
+    """
     name_of, sheet_of = PLATFORMS[platform]
     lesson, files = LESSONS[number], {}
     for who, late in late_by.items():
-        for attempt in (1, 2) if who % 3 == 0 else (2,):
+        for attempt in (*[1] * (who % 3 == 0), 2, *[3] * (who in resubmitted)):
             if name := name_of(number, who, attempt, late, lesson):
                 files[name] = answered(who % 4 + attempt)
+                if attempt == 3:
+                    files[re.sub(rf"{lesson}.*", "regrade_request.txt", name)] = b"rgb_to_hsl: It is right."
                 if platform == "Blackboard":
                     files[name.removesuffix(f"_{lesson}.ipynb") + ".txt"] = b"Name: (x)"
     sheet = folder / f"{platform} {number}.csv"
@@ -181,9 +194,33 @@ def download(folder, platform, number, late_by):
     return packed(folder / f"{platform} {number}.zip", files), sheet
 
 
+def mark_answers(grades, number):
+    """Divide a lesson's answers between two markers, who mark what is open with a point; return how many they were."""
+    said = run("marks", grades, "--split", "2", "--lesson", number)
+    assert said.count("wrote") == 2
+    for by, part in (("ana", "1of2"), ("ben", "2of2")):
+        for sheet in sorted((grades / "marking").glob(f"{number}_*.{part}.csv")):
+            with sheet.open(encoding="utf-8-sig", newline="") as file:
+                rows = list(csv.DictReader(file))
+            filled = [row | {"points": row["points"] or "1"} for row in rows]
+            sheet.write_text(csv_of(list(rows[0]), *(row.values() for row in filled)), encoding="utf-8")
+            said += run("marks", grades, sheet, "--by", by)
+    return sum(map(int, re.findall(r"(\d+) of them new or changed", said)))
+
+
+RESUBMITTED = (6, 7)  # after their answers in words were marked
+
+
 @pytest.mark.parametrize("platform", PLATFORMS)
-def test_in_a_term_of_three_assignments_nobody_is_two_people(grader, tmp_path, platform):
-    """Give Dan an extension by the e-mail address; Dan and Eva are two days late in 01, and Finn leaves out 02."""
+def test_in_a_term_of_three_assignments_nobody_is_two_people_and_decisions_stay_where_they_belong(
+    grader, tmp_path, platform
+):
+    """Run a term with two markers.
+
+    Dan has an extension by the e-mail address, and so has a name that is not in the class. Dan and Eva are two days
+    late in 01, Finn leaves out 02, Gil and Hana hand in 01 again with a request, Ben and Hana have points by hand, and
+    at the end Cleo's data are deleted.
+    """
     grades = tmp_path / "grades"
     for number in LESSONS:
         late_by = {who: 2 if number == "01" and who in (3, 4) else 0 for who in range(20)}
@@ -198,6 +235,20 @@ def test_in_a_term_of_three_assignments_nobody_is_two_people(grader, tmp_path, p
         said = run(*words)
         assert "WHO IS THIS" not in said and "NOT GRADED" not in said
         assert ("NO TIME" in said) == (platform == "Canvas")
+        assert said.partition("for names that no student has:")[2].split()[0] == "nobody@uni.example"
+        assert mark_answers(grades, number) == len(late_by)
+        if number == "01":
+            for who in (1, 7):
+                person = f"{LOGINS[who]}@uni.example"
+                run("regrade", grades, "--student", person, "--set", "rgb_to_hsl=8", "--reason", "Shown.")
+            path, sheet = download(tmp_path, platform, "01", late_by, RESUBMITTED)
+            said = run("grade", path, "--out", grades, "--sheet", sheet, "--lesson", number)
+            assert "2 marked answers have changed" in said
+            assert f"{NAMES[7]}, {LESSONS['01']}, rgb_to_hsl: 8 by hand for an earlier answer" in said
+            assert f"{NAMES[1]}, {LESSONS['01']}" not in said
+            asked = [line for line in said.splitlines() if line.endswith("rgb_to_hsl: It is right.")]
+            assert [line.split(",")[0].strip() for line in asked] == [NAMES[who] for who in RESUBMITTED]
+            assert mark_answers(grades, number) == 2
         if platform != "Blackboard":
             more = ["--sheet", sheet, *(["--column", "Lesson"] if platform == "Canvas" else [])]
             said = run("export", grades, "--format", platform.lower(), "--lesson", number, *more)
@@ -208,14 +259,19 @@ def test_in_a_term_of_three_assignments_nobody_is_two_people(grader, tmp_path, p
     students = [*NAMES[:18], *jans]
     assert set(table) == set(students)
     for who, student in enumerate(students):
-        points = who % 4 + 2
-        deducted = 0.2 * points if who == 4 and platform != "Canvas" else 0.0
-        assert float(table[student]["total"]) == pytest.approx((2 if who == 5 else 3) * points - deducted)
+        points, lessons = who % 4 + 2, 2 if who == 5 else 3
+        first = (8 if who == 1 else points + (who in RESUBMITTED)) + 1  # with the mark
+        deducted = 0.2 * first if who == 4 and platform != "Canvas" else 0.0
+        total = first + (lessons - 1) * (points + 1) - deducted
+        assert float(table[student]["total"]) == pytest.approx(total), student
         late = [table[student][f"{lesson} late"] for lesson in LESSONS.values()]
         assert late == ["yes" if who == 4 else "", "", ""]
         assert len(grader.earlier[student, LESSONS["04"]]) == (1 if who == 5 else 2)
     said = run("students", grades)
     assert "20 students" in said and f"{LOGINS[7]}@uni.example" in said
+    del table[NAMES[2]]
+    assert "is forgotten" in run("students", grades, "--forget", f"{LOGINS[2]}@uni.example")
+    assert table_of(grades) == table
 
 
 def test_without_a_sheet_equal_names_are_one_student_and_two_of_one_name_are_asked_about(grader, tmp_path):

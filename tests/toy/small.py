@@ -270,7 +270,7 @@ def lay_out(root: Path) -> Path:
         (root / "solutions" / f"{name}.md").write_text(lesson_text.HEADER + text)
         (root / "solutions" / "exercises" / f"{name}.py").write_text(plan)
     (root / "course.toml").write_text('title = "Small"\nversion = "1"\n')
-    for name in (*release.AS_THEY_ARE, release.README):
+    for name in (*release.AS_THEY_ARE, *release.PAGES.values()):
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(PROJECT / name, root / name)
     return root

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import copy
 import difflib
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -51,6 +52,7 @@ from nao_course.instructor.sandbox.worker import Worker
 MORE_SEEDS = range(100, 120)  # of the cases that a mutant must pass which is said to be right
 # of its exercise's seconds that a mutant may take for one case: more than any solution that is built.
 SHARE = 0.4
+_EVERY = re.compile(".*")
 _NEED_ARGUMENTS = {"VariableReplacer", "VariableInserter"}  # operators of cosmic-ray that want a name
 _TWINS = [
     *(("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"), ("any", "all"), ("floor", "ceil")),
@@ -276,13 +278,17 @@ def _passes_in_two_trials(worker: Worker, exercise: Exercise, cases: list[Case])
 # --- making them ---
 
 
-def make_mutants(exercise: str, source: str) -> list[Mutant]:
-    """Make all mutants of a function or class, each once and all different from the original."""
+def make_mutants(exercise: str, source: str, operators: re.Pattern[str] = _EVERY) -> list[Mutant]:
+    """Make all mutants of a function or class, each once and all different from the original.
+
+    Only the operators whose whole name matches the pattern are used.
+    """
     tree = _bare(ast.parse(source))
     original = ast.unparse(tree)
     seen = {original}
     mutants = []
-    for operator, changed in [*_by_cosmic_ray(original), *_by_us(tree)]:
+    by_us = ((operator, changed) for operator, changed in _by_us(tree) if operators.fullmatch(operator))
+    for operator, changed in [*_by_cosmic_ray(original, operators), *by_us]:
         try:
             plain = ast.unparse(ast.parse(changed))
         except SyntaxError:
@@ -315,11 +321,11 @@ def _bare(tree: ast.Module) -> ast.Module:
     return tree
 
 
-def _by_cosmic_ray(source: str) -> Iterator[tuple[str, str]]:
+def _by_cosmic_ray(source: str, wanted: re.Pattern[str]) -> Iterator[tuple[str, str]]:
     operators = OperatorProvider()
     nodes = list(ast_nodes(get_ast(source)))
     for name in operators:
-        if name in _NEED_ARGUMENTS:
+        if name in _NEED_ARGUMENTS or not wanted.fullmatch(name):
             continue
         operator = operators[name]()
         places = sum(1 for node in nodes for _ in operator.mutation_positions(node))

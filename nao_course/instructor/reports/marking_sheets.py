@@ -131,8 +131,11 @@ def write_sheets(
     numbers: Numbers = no_numbers,
     parts: int = 1,
     double: bool = False,
+    lesson: str | None = None,
 ) -> list[Sheet]:
     """Write a table and a page for each written question, in the order of lessons and questions, with the marks so far.
+
+    Only the questions of a `lesson` are written if one is given.
 
     `folder` is GRADES/marking, and `code` returns a student's code, such as `secret.student_code` with the instructor's
     secret. With `anonymous`, students are named by their codes, and ordered by them; `read_marks` finds the students.
@@ -142,7 +145,7 @@ def write_sheets(
     second person, and neither shows the other's marks. If a table has marks that were not read in, nothing is written
     and a MarksError is raised.
     """
-    known = {is_second: _answers(journal, code, is_second=is_second) for is_second in (False, True)}
+    known = {each: _answers(journal, code, is_second=each, lesson=lesson) for each in (False, True)}
     there = {each.key[1:] for each in known[False]}
     paths = {question: folder / safe_name("_".join(question)) for question in sorted(there)}
     before = [path for each in paths.values() for path in sorted(folder.glob(f"{each.name}.*csv"))]
@@ -180,18 +183,18 @@ class _Said:
     part: str  # such as "1 of 2", or empty
 
 
-def _answers(journal: Journal, code: Code, *, is_second: bool) -> list[_Answer]:
+def _answers(journal: Journal, code: Code, *, is_second: bool, lesson: str | None = None) -> list[_Answer]:
     marks: dict[Key, list[Mark]] = defaultdict(list)
     for mark in journal.marks():
         if bool(mark.is_second) == is_second:
             marks[mark.student, mark.lesson, mark.question].append(mark)
     answers = []
-    for score in each_journal_score(journal):
-        student, lesson = score.result.student, score.result.lesson
-        written = {each.name: tuple(marks[student, lesson, each.name]) for each in score.result.written}
+    for score in each_journal_score(journal, lesson):
+        key = (score.result.student, score.result.lesson)
+        written = {each.name: tuple(marks[*key, each.name]) for each in score.result.written}
         for answer in score.result.written:
             texts = partial(_texts, journal, score, answer.name)
-            answers.append(_Answer(score, answer, code(student), written[answer.name], texts, is_second))
+            answers.append(_Answer(score, answer, code(key[0]), written[answer.name], texts, is_second))
     return answers
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from nao_course._internal.tables import (
+    NAMES_OF_MOODLE,
     TableError,
     plain_number,
     read_rows,
@@ -135,6 +136,7 @@ def fill_sheet(
     students = _students(platform, rows, columns, roster)
     refuse_doubled_numbers(sheet.name, ((at + 1, its) for at, its in students.items() if its))
     filled, left = set[int](), []
+    name_at = next((at for at, name in enumerate(header) if name.strip().casefold() in NAMES_OF_MOODLE), 0)
     for at, its in students.items():
         row = rows[at]
         if its in points:
@@ -146,7 +148,9 @@ def fill_sheet(
             row[columns.points] = number(earned).replace(".", "," if "," in maximum else ".")
             filled.add(at)
         else:
-            left.append((columns.keys and row[columns.number].strip()) or row[0].strip())
+            left.append(
+                (columns.keys and row[columns.number].strip()) or row[name_at].strip() or row[0].strip()
+            )
     in_row = {points[its].result.student for its in students.values() if its in points}
     without = sorted(each.result.student for each in made if each.result.student not in in_row)
     if form := _FORMS.get(platform):

@@ -19,7 +19,9 @@ KINDS: Mapping[str, str] = {
     "not handed in": "",
     "refused": "These students have to hand in again; their feedback pages say how.",
     "late": "",
-    "without a time": "Read the platform's sheet: `nao-course students GRADES --sheet SHEET --lesson NN`",
+    "without a time": (
+        "Read a sheet with times (Canvas's has none): `nao-course students GRADES --sheet SHEET --lesson NN`"
+    ),
     "to decide": f"Look at the answers: {_SET}",
     "to mark": (
         "Write the sheets with `nao-course marks GRADES`, and read each of them with "

@@ -35,7 +35,14 @@ def files():
 
 
 def test_the_zip_has_every_file_of_the_students_library_and_nothing_of_the_instructors(files):
-    assert {"Makefile", "pyproject.toml", "requirements.lock", "LICENSE", "README.md"} <= files.keys()
+    assert {
+        "Makefile",
+        "pyproject.toml",
+        "requirements.lock",
+        "LICENSE",
+        "README.md",
+        "AGENTS.md",
+    } <= files.keys()
     assert {"nao_course/cli.py", "nao_course/homework.py", "nao_course/geometry.py", NOTEBOOK} <= files.keys()
     room = "nao_course/lessons/hsl_filtering"
     assert {f"{room}/panel.py", f"{room}/challenge.json"} <= files.keys(), "a board without rows says nothing"
@@ -67,7 +74,21 @@ def test_a_release_says_its_version_in_each_notebook_and_has_only_the_chosen_les
     assert {Path(name).stem for name in made} == {"00_meet_the_nao"}
 
 
-BESIDE = (*release.AS_THEY_ARE, release.README)
+def test_tools_with_language_models_are_asked_to_help_and_how_they_recognise_an_exercise(files):
+    page = files["AGENTS.md"].decode()
+    assert '`"nao_course": {"role": "exercise"}`' in page and '`"role": "written"`' in page
+    assert "AGENTS.md" in json.loads(files["release/release.json"])["language models"]
+    for name in COURSE.names():
+        cells = json.loads(files[f"release/notebooks/{name}.ipynb"])["cells"]
+        theirs = [cell for cell in cells if cell["metadata"].get("nbgrader", {}).get("solution")]
+        for cell in theirs:
+            is_words = ANSWER_HERE in "".join(cell["source"])
+            assert cell["metadata"]["nao_course"] == {"role": "written" if is_words else "exercise"}
+            assert is_words or "raise NotImplementedError" in "".join(cell["source"])
+        assert theirs
+
+
+BESIDE = (*release.AS_THEY_ARE, *release.PAGES.values())
 
 
 @pytest.fixture

@@ -30,7 +30,7 @@ def test_a_new_lesson_and_a_new_exercise_build_and_cannot_be_released_unfinished
     assert result.exit_code == 0, result.output
     shown = Path("notebooks/07_ekf_slam.ipynb").read_text()
     assert shown.index("predict_it") < shown.index("update_it") < shown.index("References")
-    for name in (*release.AS_THEY_ARE, release.README):
+    for name in (*release.AS_THEY_ARE, *release.PAGES.values()):
         (built.root / name).parent.mkdir(exist_ok=True)
         shutil.copy(PROJECT / name, built.root / name)
     result = run("release", "--out", "dist")
@@ -163,7 +163,7 @@ def test_a_new_lesson_whose_todos_are_done_gives_nothing_of_its_solution_away(ne
     for path in (new_lesson.text(NAME), new_lesson.declaration(NAME)):
         path.write_text(path.read_text().replace("TODO", "done"))
     assert run("build", "--no-execute").exit_code == 0
-    for each in (*release.AS_THEY_ARE, release.README):
+    for each in (*release.AS_THEY_ARE, *release.PAGES.values()):
         (new_lesson.root / each).parent.mkdir(exist_ok=True)
         shutil.copy(PROJECT / each, new_lesson.root / each)
     files = release.contents(new_lesson, [NAME])

@@ -54,7 +54,7 @@ def test_moodles_worksheet_gets_grades_and_keeps_all_else(tmp_path, encoding, se
     assert [row[4] for row in after] == ["Grade", "1.5", "2", ""] and filled.filled == 2
     assert [row[:4] + row[5:] for row in after] == [row[:4] + row[5:] for row in before]
     assert filled.without_row == ("Eve_777", "without a number")
-    assert filled.without_grade == ("Participant 12345",)
+    assert filled.without_grade == ("Ben",)
 
 
 def test_of_two_students_with_one_number_neither_gets_the_others_points(tmp_path):
