@@ -84,6 +84,7 @@ EDITIONS = {
                 "notation",
                 "for_students",
                 "setup",
+                "run_a_hub",
                 "design",
                 "own_field",
                 "real_data",
