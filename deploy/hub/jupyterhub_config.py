@@ -116,7 +116,8 @@ c.JupyterHub.load_roles = [
         "name": "assistants",  # they see on /hub/admin who works, and start and stop servers
         "scopes": ["admin-ui", "list:users", "read:users:activity", "read:servers", "servers"]
         + ["access:servers"] * ASSISTANTS_MAY_OPEN,
-        "users": sorted(map(system_name, ASSISTANTS)),  # exactly these: JupyterHub takes the role from all others
+        # Exactly these: JupyterHub takes the role from all others at its start.
+        "users": sorted(map(system_name, ASSISTANTS)),
     },
 ]
 c.JupyterHub.services = [
