@@ -30,9 +30,8 @@ def server(tmp_path):
     python = tmp_path / "python"
     python.write_text(PYTHON)
     python.chmod(0o755)
-    setpriv = (
-        tmp_path / "setpriv"
-    )  # students can run this Python; as "nobody", nobody enters the tests' folder
+    # Students can run this Python; the real program would not enter the tests' folder as "nobody".
+    setpriv = tmp_path / "setpriv"
     setpriv.write_text("#!/bin/sh\n")
     setpriv.chmod(0o755)
     folder = tmp_path / "nao course"
