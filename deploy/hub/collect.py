@@ -55,7 +55,7 @@ def main(arguments: list[str] | None = None) -> int:
         )
         return 1
     try:
-        names = folder_names(chosen.sheet) if chosen.sheet else {}
+        people = read_sheet(chosen.sheet) if chosen.sheet else {}
     except ModuleNotFoundError:
         print(
             "--sheet needs the course: use its Python, /opt/nao-course/current/.venv/bin/python",
@@ -65,16 +65,16 @@ def main(arguments: list[str] | None = None) -> int:
     except (OSError, ValueError) as error:
         print(f"{chosen.sheet} cannot be used, and nothing was copied: {error}", file=sys.stderr)
         return 1
+    names = {account: folder for account, (folder, _) in people.items()}
     accounts = list(map(account_of, chosen.student)) if chosen.student else all_accounts(chosen.homes)
     copied, problems = collect(chosen.homes, accounts, chosen.submissions, names)
     print(f"{sum(copied.values())} files of {len(copied)} students are in {chosen.submissions}")
     worlds = [(names[home], home) for home in copied if home in names]
     write_table(chosen.submissions / WORLDS, ("student", "world"), worlds)
     if chosen.lesson:
-        times = handing_in_times(
-            chosen.homes, chosen.lesson, {home: names.get(home, home) for home in copied}
-        )
-        write_table(chosen.submissions / TIMES, ("student", "handed in"), times)
+        times = handing_in_times(chosen.homes, chosen.lesson, copied)
+        said = ((*people.get(home, (home, "")), time) for home, time in times.items())
+        write_table(chosen.submissions / TIMES, ("student", "email", "handed in"), said)
     if chosen.sheet and (unknown := sorted(set(copied) - set(names))):
         print(
             f"in no row of {chosen.sheet}, or in several, so the folder has the account's name: {', '.join(unknown)}"
@@ -84,21 +84,22 @@ def main(arguments: list[str] | None = None) -> int:
     return 1 if problems else 0
 
 
-def folder_names(sheet: Path) -> dict[str, str]:
-    """Return folder names such as "Ada Lovelace_1234567" by account, such as "nao-ada-lovelace-3c6d023791".
+def read_sheet(sheet: Path) -> dict[str, tuple[str, str]]:
+    """Return folder names such as "Ada Lovelace_1234567" and addresses by account, "nao-ada-lovelace-3c6d023791".
 
     A row of the sheet has a student's name and number: the number in Moodle's first column ("Participant 1234567"), or
-    in Canvas's column "ID". Any cell of it may be what the account is made from.
+    in Canvas's column "ID". Any cell of it may be what the account is made from; an address is such a cell with "@".
     """
     from nao_course._internal.tables import read_people
 
-    names: dict[str, set[str]] = {}
+    found: dict[str, dict[str, str]] = {}
     for person in read_people(sheet):
         student = person.name.replace("/", " ").replace("_", " ").strip() or "student"
         for cell in filter(None, person.cells if person.number else ()):
-            names.setdefault(system_name(cell), set()).add(f"{student}_{person.number}")
+            address = cell.strip() if "@" in cell else ""
+            found.setdefault(system_name(cell), {})[f"{student}_{person.number}"] = address
     # Whoever calls themselves by a classmate's address does not get that classmate's work.
-    return {account: found.pop() for account, found in names.items() if len(found) == 1}
+    return {account: next(iter(folders.items())) for account, folders in found.items() if len(folders) == 1}
 
 
 def all_accounts(homes: Path) -> list[str]:
@@ -140,27 +141,26 @@ def collect(
     return copied, problems
 
 
-def handing_in_times(homes: Path, lesson: str, names: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Return when each student last changed the notebook of a lesson, in UTC, by the name of the student's folder.
+def handing_in_times(homes: Path, lesson: str, accounts: Iterable[str]) -> dict[str, str]:
+    """Return when each student last changed the notebook of a lesson, in UTC, by account.
 
     It is the time at which the system noticed the change. The time that a file shows can be set by its owner.
     """
-    times = []
-    for home, student in names.items():
+    times = {}
+    for home in accounts:
         with suppress(OSError), opened(homes / home / NOTEBOOKS) as folder:
-            found = [
+            names = [
                 each
                 for each in os.listdir(folder)
                 if WANTED.fullmatch(each) and each.startswith(f"{lesson}_")
             ]
-            changed = [os.stat(each, dir_fd=folder, follow_symlinks=False).st_ctime for each in found]
-            times += [
-                (student, datetime.fromtimestamp(each, UTC).isoformat(timespec="seconds")) for each in changed
-            ]
+            if names:
+                changed = max(os.stat(each, dir_fd=folder, follow_symlinks=False).st_ctime for each in names)
+                times[home] = datetime.fromtimestamp(changed, UTC).isoformat(timespec="seconds")
     return times
 
 
-def write_table(path: Path, header: tuple[str, str], rows: Iterable[tuple[str, str]]) -> None:
+def write_table(path: Path, header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
     """Write a table, if it has rows, that `nao-course` reads."""
     if rows := sorted(rows):
         with path.open("w", encoding="utf-8", newline="") as file:

@@ -10,6 +10,7 @@ from itertools import count
 import pytest
 
 from nao_course.exercises.notebook_text import MOST_BYTES
+from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.collecting.sheets import read_sheet
 from nao_course.instructor.collecting.submissions import gather
 from nao_course.instructor.reports.platforms import fill_sheet
@@ -119,7 +120,12 @@ def test_a_notebooks_time_is_when_the_system_noticed_its_last_change_and_not_wha
     (hub.ben / LESSON).rename(hub.ben / "02_goalposts.ipynb")
     status, found = hub(MOODLE.encode(), "--lesson", "01")
     assert status == 0 and "handed_in.csv" in found
-    times = read_sheet(hub.out / "handed_in.csv", "01_hsl_filtering").times
+    sheet = read_sheet(hub.out / "handed_in.csv", "01_hsl_filtering")
+    of_moodle = Roster().with_sheet(read_sheet(tmp_path / "sheet.csv", "01_hsl_filtering").rows)[0]
+    assert of_moodle.with_sheet(sheet.rows)[0].students.keys() == of_moodle.students.keys(), (
+        "nobody is two people"
+    )
+    times = sheet.times
     assert list(times) == ["Ada Lovelace_11"], "Ben has no notebook of lesson 01"
     assert before <= datetime.fromisoformat(times["Ada Lovelace_11"]) <= datetime.now(UTC)
     gathered = gather(hub.out, tmp_path, ["01_hsl_filtering", "02_goalposts"])
