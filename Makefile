@@ -72,7 +72,7 @@ lock: .venv/dev.stamp  ## renew the lock files
 	$(LOCK) --upgrade --extra site --constraint requirements-dev.lock --output-file requirements-site.lock
 
 clean:  ## remove .venv and every cache; your notebooks stay
-	rm -rf .venv web/node_modules deploy/hub/node_modules .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build/proofs
+	rm -rf .venv web/node_modules deploy/hub/node_modules .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage htmlcov dist build/proofs build/runs.json
 	find nao_course tests benchmarks solutions website -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 
 .venv/made.stamp:

@@ -132,7 +132,11 @@ PICTURES: dict[str, Callable[[], Files]] = {
     "09_intel": real_building,
     "11_real_walk": real_walk,
     "half_field_A3": sheet,
-    **{f"{name[:2]}_payoff": lambda name=name: payoff(name) for name in COURSE.names()},
+    **{
+        f"{name[:2]}_payoff": lambda name=name: payoff(name)
+        for name in COURSE.names()
+        if f"images/{name[:2]}_payoff." in COURSE.text(name).read_text(encoding="utf-8")
+    },
 }
 FILMS: dict[str, Callable[[], Files]] = {
     f"{name}_film": lambda name=name: film(name)

@@ -19,19 +19,21 @@ JPEG_STEPS = 12  # of 255: by how much one colour differs within a photograph's 
 def cards(lessons: Sequence[Lesson], folder: Path) -> str:
     """Return the cards of lessons as Markdown, and save their pictures into a folder.
 
-    The folder is made beside ``lessons``, whose ``images`` hold the figures. A part outside its figure raises a
-    ValueError.
+    A lesson that opens with no figure has a card without a picture. The folder is made beside ``lessons``, whose
+    ``images`` hold the figures. A part outside its figure raises a ValueError.
     """
     folder.mkdir()
     found = []
     for lesson in lessons:
-        figure = folder.parent / "lessons" / lesson.figure
-        name = f"{lesson.number}.jpeg"
-        _shrunk(figure, lesson.about["card"]).save(folder / name, quality=88)
-        picture = f"![{lesson.about['card_shows']}]({folder.name}/{name})"
+        picture = ""
+        if lesson.picture:
+            figure = folder.parent / "lessons" / lesson.figure
+            name = f"{lesson.number}.jpeg"
+            _shrunk(figure, lesson.about["card"]).save(folder / name, quality=88)
+            picture = f"![{lesson.about['card_shows']}]({folder.name}/{name})\n\n"
         title = f"[{lesson.number} {lesson.title}](lessons/{lesson.name}.ipynb)"
         text = f"{_without_opening(lesson.goal)} *{lesson.minutes + lesson.later} minutes*"
-        found.append(f":::{{container}} lesson\n{picture}\n\n**{title}**\n\n{text}\n:::")
+        found.append(f":::{{container}} lesson\n{picture}**{title}**\n\n{text}\n:::")
     return "\n\n".join(["::::{container} lessons", *found, "::::"])
 
 

@@ -86,6 +86,7 @@ EDITIONS = {
                 "for_language_models",
                 "accessibility",
                 "setup",
+                "run_a_hub",
                 "design",
                 "own_field",
                 "real_data",

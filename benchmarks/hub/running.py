@@ -87,12 +87,12 @@ def running_hub(folder: Path, scratch: Path) -> Iterator[Hub]:
         "HUB_PASSWORD": password,
         "HUB_PORT": str(port),
         # For env_keep of JupyterHub, which hands PATH to the students' servers
-        "PATH": f"{folder / '.venv' / 'bin'}{os.pathsep}{os.environ['PATH']}",
+        "PATH": f"{folder / 'current' / '.venv' / 'bin'}{os.pathsep}{os.environ['PATH']}",
     }
     log = scratch / "hub.log"
     with log.open("w") as output:
         process = subprocess.Popen(
-            [folder / ".venv" / "bin" / "jupyterhub", "--config", CONFIG],
+            [folder / "current" / ".venv" / "bin" / "jupyterhub", "--config", CONFIG],
             env=environment,
             cwd=scratch,
             stdout=output,

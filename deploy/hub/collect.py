@@ -1,11 +1,13 @@
 """Copy every student's notebooks from the home folders into a folder that `nao-course grade` takes.
 
-sudo /opt/nao-course/.venv/bin/python collect.py SUBMISSIONS [--homes FOLDER] [--sheet SHEET]
+sudo /opt/nao-course/current/.venv/bin/python collect.py SUBMISSIONS [--lesson 01] [--student WHO] [--sheet SHEET]
 
-With the learning platform's sheet of grades (Moodle's grading worksheet or Canvas's gradebook), each student's folder
-is named after the student and the platform's number, so that `nao-course export` finds the student in that sheet. This
-needs the course; without a sheet, any Python will do. Students' files are not trusted: a link is never followed, a file
-that belongs to another user is never copied, and a student's files may have a limited size together.
+SUBMISSIONS is a new folder: what was collected before stays as it was. With the learning platform's sheet of grades
+(Moodle's grading worksheet or Canvas's gradebook), each student's folder is named after the student and the platform's
+number, so that `nao-course export` finds the student in that sheet. This needs the course; without a sheet, any Python
+will do. With a lesson's number, a table says when each student last changed that lesson's notebook, by the system's
+clock and not by the student's. Students' files are not trusted: a link is never followed, a file that belongs to
+another user is never copied, and a student's files may have a limited size together.
 """
 
 from __future__ import annotations
@@ -16,11 +18,12 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from pathlib import Path
 
-from names import system_name
+from names import START, account_of, system_name
 
 NOTEBOOKS = "notebooks"  # in each home folder
 WANTED = re.compile(r"\d\d_\w+\.ipynb|[A-Za-z_]\w*\.py", re.ASCII)  # lessons, and what they may import
@@ -29,26 +32,49 @@ MOST_FILES = 100  # of a student
 MOST_BYTES = 4 * LARGEST  # of a student's files together, holes in sparse files included
 HOLE = bytes(2**16)  # what is written as a hole
 WORLDS = "worlds.csv"  # for `nao-course marks --worlds`: a personal world follows from the account's name
+TIMES = "handed_in.csv"  # for `nao-course grade --sheet`
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Collect what the command line names; return the exit status."""
     parser = argparse.ArgumentParser(description="Copy every student's notebooks into a folder to grade.")
-    parser.add_argument("submissions", type=Path, metavar="SUBMISSIONS", help="Folder to copy to.")
+    parser.add_argument("submissions", type=Path, metavar="SUBMISSIONS", help="Folder to copy to; a new one.")
     parser.add_argument("--homes", type=Path, default=Path("/home"), help="Folder of the home folders.")
     parser.add_argument("--sheet", type=Path, help="Sheet of grades of Moodle or Canvas, CSV.")
+    parser.add_argument(
+        "--lesson", metavar="01", help=f"Write the times of this lesson's notebooks into {TIMES}."
+    )
+    parser.add_argument(
+        "--student", action="append", metavar="WHO", help="E-mail address or account; all by default."
+    )
     chosen = parser.parse_args(arguments)
+    if chosen.submissions.exists() and any(chosen.submissions.iterdir()):
+        print(
+            f"{chosen.submissions} is not empty, and what was collected stays as it is. Name a new folder.",
+            file=sys.stderr,
+        )
+        return 1
     try:
-        names = folder_names(chosen.sheet) if chosen.sheet else {}
+        people = read_sheet(chosen.sheet) if chosen.sheet else {}
     except ModuleNotFoundError:
-        print("--sheet needs the course: use its Python, /opt/nao-course/.venv/bin/python", file=sys.stderr)
+        print(
+            "--sheet needs the course: use its Python, /opt/nao-course/current/.venv/bin/python",
+            file=sys.stderr,
+        )
         return 1
     except (OSError, ValueError) as error:
         print(f"{chosen.sheet} cannot be used, and nothing was copied: {error}", file=sys.stderr)
         return 1
-    copied, problems = collect(chosen.homes, chosen.submissions, names)
+    names = {account: folder for account, (folder, _) in people.items()}
+    accounts = list(map(account_of, chosen.student)) if chosen.student else all_accounts(chosen.homes)
+    copied, problems = collect(chosen.homes, accounts, chosen.submissions, names)
     print(f"{sum(copied.values())} files of {len(copied)} students are in {chosen.submissions}")
-    write_worlds(chosen.submissions / WORLDS, {names[home]: home for home in copied if home in names})
+    worlds = [(names[home], home) for home in copied if home in names]
+    write_table(chosen.submissions / WORLDS, ("student", "world"), worlds)
+    if chosen.lesson:
+        times = handing_in_times(chosen.homes, chosen.lesson, copied)
+        said = ((*people.get(home, (home, "")), time) for home, time in times.items())
+        write_table(chosen.submissions / TIMES, ("student", "email", "handed in"), said)
     if chosen.sheet and (unknown := sorted(set(copied) - set(names))):
         print(
             f"in no row of {chosen.sheet}, or in several, so the folder has the account's name: {', '.join(unknown)}"
@@ -58,27 +84,38 @@ def main(arguments: list[str] | None = None) -> int:
     return 1 if problems else 0
 
 
-def folder_names(sheet: Path) -> dict[str, str]:
-    """Return folder names such as "Ada Lovelace_1234567" by account, such as "nao-ada-lovelace-3c6d023791".
+def read_sheet(sheet: Path) -> dict[str, tuple[str, str]]:
+    """Return folder names such as "Ada Lovelace_1234567" and addresses by account, "nao-ada-lovelace-3c6d023791".
 
     A row of the sheet has a student's name and number: the number in Moodle's first column ("Participant 1234567"), or
-    in Canvas's column "ID". Any cell of it may be what the account is made from.
+    in Canvas's column "ID". Any cell of it may be what the account is made from; an address is such a cell with "@".
     """
     from nao_course._internal.tables import read_people
 
-    names: dict[str, set[str]] = {}
+    found: dict[str, dict[str, str]] = {}
     for person in read_people(sheet):
         student = person.name.replace("/", " ").replace("_", " ").strip() or "student"
         for cell in filter(None, person.cells if person.number else ()):
-            names.setdefault(system_name(cell), set()).add(f"{student}_{person.number}")
+            address = cell.strip() if "@" in cell else ""
+            found.setdefault(system_name(cell), {})[f"{student}_{person.number}"] = address
     # Whoever calls themselves by a classmate's address does not get that classmate's work.
-    return {account: found.pop() for account, found in names.items() if len(found) == 1}
+    return {account: next(iter(folders.items())) for account, folders in found.items() if len(folders) == 1}
 
 
-def collect(homes: Path, out: Path, names: dict[str, str]) -> tuple[dict[str, int], list[str]]:
-    """Copy the students' files; return the number of files by account, and a line for each file that was refused."""
+def all_accounts(homes: Path) -> list[str]:
+    """Return the accounts of all students who have a home folder."""
+    return sorted(each for each in os.listdir(homes) if each.startswith(START))
+
+
+def collect(
+    homes: Path, accounts: Iterable[str], out: Path, names: Mapping[str, str]
+) -> tuple[dict[str, int], list[str]]:
+    """Copy students' files; return the number of files by account, and a line for each file that was refused."""
     copied, problems = {}, []
-    for home in sorted(each for each in os.listdir(homes) if each.startswith("nao-")):
+    for home in accounts:
+        if not os.path.lexists(homes / home):
+            problems.append(f"{home}: there is no such account in {homes}")
+            continue
         try:
             with opened(homes / home / NOTEBOOKS) as folder:
                 files = sorted(each for each in os.listdir(folder) if WANTED.fullmatch(each))
@@ -104,11 +141,30 @@ def collect(homes: Path, out: Path, names: dict[str, str]) -> tuple[dict[str, in
     return copied, problems
 
 
-def write_worlds(path: Path, accounts: dict[str, str]) -> None:
-    """Write the account of each student whose folder has another name."""
-    if accounts:
+def handing_in_times(homes: Path, lesson: str, accounts: Iterable[str]) -> dict[str, str]:
+    """Return when each student last changed the notebook of a lesson, in UTC, by account.
+
+    It is the time at which the system noticed the change. The time that a file shows can be set by its owner.
+    """
+    times = {}
+    for home in accounts:
+        with suppress(OSError), opened(homes / home / NOTEBOOKS) as folder:
+            names = [
+                each
+                for each in os.listdir(folder)
+                if WANTED.fullmatch(each) and each.startswith(f"{lesson}_")
+            ]
+            if names:
+                changed = max(os.stat(each, dir_fd=folder, follow_symlinks=False).st_ctime for each in names)
+                times[home] = datetime.fromtimestamp(changed, UTC).isoformat(timespec="seconds")
+    return times
+
+
+def write_table(path: Path, header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
+    """Write a table, if it has rows, that `nao-course` reads."""
+    if rows := sorted(rows):
         with path.open("w", encoding="utf-8", newline="") as file:
-            csv.writer(file).writerows([("student", "world"), *sorted(accounts.items())])
+            csv.writer(file).writerows([header, *rows])
 
 
 @contextmanager

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import re
+import subprocess
 import unicodedata
+
+START = "nao-"  # of the name of every account that the hub creates
 
 
 def system_name(claim: str) -> str:
@@ -21,4 +24,22 @@ def system_name(claim: str) -> str:
     claim = unicodedata.normalize("NFC", claim.strip().lower())
     letters = unicodedata.normalize("NFKD", claim.partition("@")[0]).encode("ascii", "ignore").decode()
     start = re.sub(r"[^a-z0-9]+", "-", letters)[:12].strip("-") or "student"
-    return f"nao-{start}-{hashlib.sha256(claim.encode()).hexdigest()[:10]}"
+    return f"{START}{start}-{hashlib.sha256(claim.encode()).hexdigest()[:10]}"
+
+
+def account_of(word: str) -> str:
+    """Return the account of a student who is given by the account's name or by an e-mail address.
+
+    >>> account_of("nao-ada-lovelace-3c6d023791") == account_of("Ada.Lovelace@uni.example")
+    True
+    """
+    is_account = re.fullmatch(rf"{START}[a-z0-9-]+-[0-9a-f]{{10}}", word)
+    return word if is_account else system_name(word)
+
+
+def create_account(name: str, *options: str) -> None:
+    """Create a student's account: it has no password, and a home folder that nobody else can read."""
+    shell = ["--shell", "/bin/bash"]
+    subprocess.run(
+        ["useradd", "--key", "HOME_MODE=0700", *shell, *(options or ["--create-home"]), name], check=True
+    )

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from datetime import UTC, datetime, timedelta
+from itertools import count
 
 import pytest
 
 from nao_course.exercises.notebook_text import MOST_BYTES
+from nao_course.instructor.collecting.roster import Roster
+from nao_course.instructor.collecting.sheets import read_sheet
 from nao_course.instructor.collecting.submissions import gather
 from nao_course.instructor.reports.platforms import fill_sheet
 from tests.paths import PROJECT
@@ -34,12 +38,13 @@ def tools(monkeypatch):
 
 @pytest.fixture
 def hub(tools, tmp_path):
-    """Homes of Ada and Ben, and a function that collects them."""
+    """Homes of Ada and Ben, and a function that collects them into a new folder."""
     collect, system_name = tools
-    homes, out = tmp_path / "homes", tmp_path / "out"
+    homes, runs = tmp_path / "homes", count()
 
-    def run(sheet=b""):
-        arguments = [str(out), "--homes", str(homes)]
+    def run(sheet=b"", *words):
+        out = run.out = tmp_path / f"out-{next(runs)}"
+        arguments = [str(out), "--homes", str(homes), *words]
         if sheet:
             (tmp_path / "sheet.csv").write_bytes(sheet)
             arguments += ["--sheet", str(tmp_path / "sheet.csv")]
@@ -47,7 +52,7 @@ def hub(tools, tmp_path):
         files = [path for path in out.rglob("*") if path.is_file()]
         return status, {str(path.relative_to(out)): path.read_text() for path in files}
 
-    run.out, run.ada, run.ben = out, *(homes / system_name(claim) / "notebooks" for claim in (ADA, BEN))
+    run.ada, run.ben = (homes / system_name(claim) / "notebooks" for claim in (ADA, BEN))
     teacher = homes / "teacher" / "notebooks"
     for folder, text in ((run.ada, ADA), (run.ben, BEN), (teacher, "the solution")):
         folder.mkdir(parents=True)
@@ -89,6 +94,42 @@ def test_what_was_collected_is_graded_under_the_names_that_the_sheet_has(hub, tm
     assert students == ["Ada Lovelace_11", "Ben O Neil x_22"]
     filled = fill_sheet("moodle", tmp_path / "sheet.csv", [])
     assert filled.without_grade == ("Participant 11", "Participant 22")
+
+
+def test_what_was_collected_at_the_deadline_stays_as_it_was(hub, tools, capsys):
+    _, before = hub()
+    (hub.ada / LESSON).write_text("a week later")
+    assert tools[0].main([str(hub.out), "--homes", str(hub.ada.parent.parent)]) == 1
+    assert "is not empty" in capsys.readouterr().err
+    assert {str(each.relative_to(hub.out)): each.read_text() for each in hub.out.rglob("*.ipynb")} == before
+
+
+@pytest.mark.parametrize("who", ["address", "account"])
+def test_one_student_is_collected_alone(hub, who, capsys):
+    ada = hub.ada.parent.name
+    assert hub(b"", "--student", ADA.upper() if who == "address" else ada) == (0, {f"{ada}/{LESSON}": ADA})
+    status, found = hub(b"", "--student", "eve@uni.example")
+    assert status == 1 and found == {} and "there is no such account" in capsys.readouterr().err
+
+
+def test_a_notebooks_time_is_when_the_system_noticed_its_last_change_and_not_what_the_student_set(
+    hub, tmp_path
+):
+    before = datetime.now(UTC) - timedelta(minutes=1)  # times are read to the minute
+    os.utime(hub.ada / LESSON, (0, 0))  # as by `touch --date=1970-01-01`
+    (hub.ben / LESSON).rename(hub.ben / "02_goalposts.ipynb")
+    status, found = hub(MOODLE.encode(), "--lesson", "01")
+    assert status == 0 and "handed_in.csv" in found
+    sheet = read_sheet(hub.out / "handed_in.csv", "01_hsl_filtering")
+    of_moodle = Roster().with_sheet(read_sheet(tmp_path / "sheet.csv", "01_hsl_filtering").rows)[0]
+    assert of_moodle.with_sheet(sheet.rows)[0].students.keys() == of_moodle.students.keys(), (
+        "nobody is two people"
+    )
+    times = sheet.times
+    assert list(times) == ["Ada Lovelace_11"], "Ben has no notebook of lesson 01"
+    assert before <= datetime.fromisoformat(times["Ada Lovelace_11"]) <= datetime.now(UTC)
+    gathered = gather(hub.out, tmp_path, ["01_hsl_filtering", "02_goalposts"])
+    assert not gathered.unknown, "grade ignores the tables of the collection"
 
 
 def test_a_name_that_two_rows_claim_is_nobodys(hub):

@@ -8,14 +8,19 @@ import os
 import pwd
 import stat
 import subprocess
+import sys
+import urllib.error
+import urllib.request
 from pathlib import Path
 
 import pytest
+import yaml
 
 pytest.importorskip("aiohttp", reason="JupyterHub is not installed: make .venv/hub.stamp")
 
 from benchmarks.hub.running import installation, missing, running_hub
 from benchmarks.hub.student import Student
+from tests.paths import PROJECT
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(missing()), reason=missing())]
 
@@ -100,3 +105,43 @@ def test_a_students_server_is_not_inside_another_process_of_theirs(hub, students
             each for each in processes_of(hub, student.name) if "ipykernel_launcher" not in each.cmdline()
         ]
         assert len(servers) == 1
+
+
+def test_the_exporter_gives_its_numbers_to_the_monitorings_token_and_to_nobody_else(hub, students):
+    address = f"{hub.url}/hub/metrics"
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        urllib.request.urlopen(address)
+    own = hub.log.parent
+    token = (own / "monitoring.token").read_text()
+    with urllib.request.urlopen(
+        urllib.request.Request(address, headers={"Authorization": f"token {token}"})
+    ) as answer:
+        numbers = answer.read().decode()
+    rules = yaml.safe_load((PROJECT / "deploy" / "hub" / "alerts.yml").read_text())["groups"][0]["rules"]
+    asked = [
+        word for rule in rules for word in rule["expr"].replace("(", " ").split() if "jupyterhub_" in word
+    ]
+    names = {each.partition("{")[0].partition("[")[0] for each in asked if each.startswith("jupyterhub_")}
+    assert names and all(f"\n{name}" in numbers for name in names)
+    assert (own / "monitoring.token").stat().st_mode & 0o077 == 0
+
+
+def test_a_student_is_removed_with_server_home_and_account(hub, students):
+    async def log_in():
+        async with Student(hub.url, "eve@hub.example", hub.password) as student:
+            await student.log_in()
+            await student.start_server()
+            return student.name
+
+    name = asyncio.run(log_in())
+    home = Path(pwd.getpwnam(name).pw_dir)
+    assert home.is_dir() and processes_of(hub, name)
+    program = PROJECT / "deploy" / "hub" / "remove.py"
+    options = ["--api", f"{hub.url}/hub/api", "--hub", str(hub.log.parent), "--yes"]
+    done = subprocess.run(
+        [sys.executable, program, "eve@hub.example", *options], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert not home.exists() and name not in {each.pw_name for each in pwd.getpwall()}
+    assert not processes_of(hub, name)
+    assert all(processes_of(hub, each.name) for each in students), "the others work on"

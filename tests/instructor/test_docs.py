@@ -12,6 +12,7 @@ import zipfile
 
 import pytest
 
+from nao_course.instructor.authoring import scaffold
 from nao_course.instructor.sandbox.layers import LEVELS, NAMESPACES, probe
 from nao_course.instructor.sandbox.warm_server import WarmServer
 from nao_course.instructor.sandbox.worker import Worker
@@ -240,3 +241,19 @@ def test_a_lower_level_holds_what_the_page_says_and_no_more(level, tmp_path):
         places = (str(tmp_path), os.getpid(), tcp.getsockname()[1], str(tmp_path / "s"))
         works = {source: attempt(worker, source, *places).status == "value" for source in ANYWHERE}
     assert works == {source: level in levels for source, levels in ANYWHERE.items()}
+
+
+def test_the_figure_of_the_page_about_lessons_can_be_drawn_and_is_described():
+    (block,) = re.findall(
+        r"^  ```python\n(  \"\"\"Figures of.*?)^  ```", text_of("write_a_lesson.md"), re.MULTILINE | re.DOTALL
+    )
+    names = {}
+    exec(re.sub("^  ", "", block, flags=re.MULTILINE), names)
+    assert names["__all__"] == ["draw_angles"]
+    drawing = names["draw_angles"]([0, 1, 2], [0.0, 0.25, 0.5])
+    assert drawing.alt.endswith("0.50 rad.") and drawing.image().startswith(b"\x89PNG")
+
+
+def test_the_page_about_lessons_lists_the_rules_that_a_short_lesson_waives():
+    (rules,) = re.findall(r"\[.*\]", scaffold._WAIVED)
+    assert f"waived=dict.fromkeys({rules}" in text_of("write_a_lesson.md")

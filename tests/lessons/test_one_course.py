@@ -46,21 +46,29 @@ def test_each_lesson_that_is_named_is_one_of_the_course(name):
     named = re.findall(r"\blessons? (\d\d)(?:(?:, \d\d)*,? (?:and|to|or) (\d\d))?", words(name))
     there = {each[:2] for each in NAMES}
     following = f"{int(max(there)) + 1:02}"  # a course that grows may promise what comes next
-    assert {number for pair in named for number in pair if number} <= there | {following}
+    lost = {number for pair in named for number in pair if number} - there - {following}
+    assert not lost, f"it names lessons that do not exist: {sorted(lost)}"
 
 
 @pytest.mark.parametrize("name", FINISHED)
 def test_what_comes_next_is_the_next_lesson(name):
     promised = re.findall(r"\*\*Next\*\*[^.]*?\blesson (\d\d)", words(name))
-    assert promised == [f"{int(name[:2]) + 1:02}"] or (name == FINISHED[-1] and not promised)
+    following = f"{int(name[:2]) + 1:02}"
+    if name == FINISHED[-1] and not promised:
+        return
+    assert promised == [following], (
+        f"its ending says: **Next**, in lesson {following}, ...; it names {promised}"
+    )
 
 
 @each_lesson
 def test_exercises_and_equations_are_quoted_by_numbers_that_they_have(name):
     declared = {exercise.number for each in NAMES for exercise in public(each).exercises}
-    assert numbers(r"[Ee]xercises?", words(name)) <= declared
+    lost = numbers(r"[Ee]xercises?", words(name)) - declared
+    assert not lost, f"it names exercises that do not exist: {sorted(lost)}"
     ours = re.sub(r"\b(?:paper|report)'s\b[^.;]*?(?:equations?|sections?)[^;\n]*", "", words(name))
-    assert numbers(r"[Ee]quations?", ours) <= equations()
+    lost = numbers(r"[Ee]quations?", ours) - equations()
+    assert not lost, f"it names equations that do not exist: {sorted(lost)}"
     for said in messages(name):  # of this lesson or an earlier one
         for number in numbers(r"[Ee]quations?", said):
             assert number in equations() and int(number.partition(".")[0]) <= int(name[:2])

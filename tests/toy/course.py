@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from typer.testing import CliRunner
 
 from nao_course import cli
 from nao_course.instructor.authoring import lesson_text
-from nao_course.instructor.authoring.course import Course
+from nao_course.instructor.authoring.course import Course, load_course
 from tests.paths import PROJECT
 
 TEXT = """
@@ -94,7 +95,8 @@ def lay_out(root: Path) -> Path:
 def lay_out_first_lessons(root: Path) -> list[str]:
     """Copy the real course with its lessons 00 and 01, as they are built, and name them: to build all takes minutes.
 
-    The later lessons' modules are left out, too: the committed proof of lesson 01 does not rest on them.
+    The later lessons' modules are left out, too: the committed proof of lesson 01 does not rest on them. Of course.toml
+    only what the notebooks are built with is copied, because other settings may name the later lessons.
     """
     names = sorted(path.stem for path in (PROJECT / "solutions").glob("*.ipynb"))
     later = [f"{name[:2]}_*.*" for name in names[2:]]
@@ -102,7 +104,12 @@ def lay_out_first_lessons(root: Path) -> list[str]:
     for folder, left_out in (("solutions", later), ("notebooks", later), ("nao_course", packages)):
         ignored = shutil.ignore_patterns("__pycache__", *left_out)
         shutil.copytree(PROJECT / folder, root / folder, ignore=ignored)
-    shutil.copy(PROJECT / "course.toml", root)
+    course = load_course(PROJECT)
+    declared = {each for name in names[:2] for each in course.plan(name).points}
+    points = [f"{name} = {course.points[name]}\n" for name in sorted(course.points.keys() & declared)]
+    (root / "course.toml").write_text(
+        f"title = {json.dumps(course.title)}\nversion = {json.dumps(course.version)}\n[points]\n{''.join(points)}"
+    )
     return names[:2]
 
 

@@ -32,6 +32,12 @@ def test_each_lesson_has_a_card_of_one_size_that_is_not_empty(folder):
         assert white < (1 - COLOURED) * SIZE[0] * SIZE[1], lesson.name
 
 
+def test_a_lesson_that_opens_with_no_figure_has_a_card_of_words(folder):
+    text = cards([replace(LESSONS[0], picture="", about={})], folder)
+    assert "![" not in text and f"**[00 {LESSONS[0].title}](lessons/{LESSONS[0].name}.ipynb)**" in text
+    assert not list(folder.iterdir())
+
+
 def test_a_part_outside_of_its_figure_is_refused(folder):
     outside = replace(LESSONS[0], about=LESSONS[0].about | {"card": [0.5, 0, 0.4, 1]})
     with pytest.raises(ValueError, match=r"00_payoff.png: the part \[0.5, 0, 0.4, 1\] of a card must be"):

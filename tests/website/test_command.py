@@ -16,8 +16,8 @@ def copy(tmp_path, monkeypatch):
     for folder in ("solutions", "notebooks"):
         (tmp_path / folder).mkdir()
     (tmp_path / "solutions" / "exercises").mkdir()
+    (tmp_path / "course.toml").write_text('title = "One lesson"\nversion = "1"\n')
     for file in (
-        "course.toml",
         *("notebooks/00_meet_the_nao.ipynb", "solutions/00_meet_the_nao.ipynb"),
         *("solutions/00_meet_the_nao.md", "solutions/exercises/00_meet_the_nao.py"),
     ):

@@ -34,6 +34,16 @@ def test_a_lessons_facts_are_read(tmp_path):
     assert (lesson.points, lesson.written, lesson.takes) == (5, 2, ("01",))
 
 
+def test_a_lesson_that_opens_with_no_figure_needs_no_card(tmp_path, monkeypatch):
+    monkeypatch.setattr(lessons, "ROOT", tmp_path)
+    (tmp_path / "solutions").mkdir()
+    (tmp_path / "solutions" / "lessons.toml").write_text('["02"]\ndoes = "x"\ncan = "y"\nleft_out = "z"\n')
+    path = tmp_path / "02_posts.ipynb"
+    head = "# Posts\n\nYou find them.\n\n**Before you start** you need a pen. **Time:** 30 minutes."
+    path.write_text(notebook(("markdown", head, {})))
+    assert read_lesson(path).picture == ""
+
+
 def test_a_lesson_that_lacks_a_fact_says_which(tmp_path, monkeypatch):
     monkeypatch.setattr(lessons, "ROOT", tmp_path)
     (tmp_path / "solutions").mkdir()
@@ -42,7 +52,7 @@ def test_a_lesson_that_lacks_a_fact_says_which(tmp_path, monkeypatch):
         read_lesson(PROJECT / "notebooks" / "00_meet_the_nao.ipynb")
     path = tmp_path / "02_posts.ipynb"
     path.write_text(notebook(("markdown", "# Posts\n\nYou find them.", {})))
-    with pytest.raises(ValueError, match=r"02_posts.ipynb does not say its picture, needs, minutes"):
+    with pytest.raises(ValueError, match=r"02_posts.ipynb does not say its needs, minutes"):
         read_lesson(path)
 
 

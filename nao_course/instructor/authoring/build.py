@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ast
+import hashlib
+import json
 import re
 import shutil
 from base64 import b64decode
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -21,15 +23,16 @@ from nao_course.exercises.exercise import ANSWER_HERE
 from nao_course.exercises.outline import outline_bytes
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import Course, LessonError
-from nao_course.instructor.authoring.execute import Tell, execute_all
+from nao_course.instructor.authoring.execute import Tell, execute_all, runs_with
 from nao_course.instructor.authoring.plan_checks import plan_warnings, use_problems
 from nao_course.instructor.authoring.plans import CHECKS, OUTLINES, PlanError
 from nao_course.instructor.authoring.proofs import MANIFEST, Proofs
 from nao_course.instructor.authoring.rounding_errors import same_but_for_rounding
-from nao_course.instructor.authoring.stamps import edited, stamp
+from nao_course.instructor.authoring.stamps import differs_in_version_alone, edited, stamp
 
 # Ends of the names of the functions and classes that make a panel
 _PANELS = ("Panel", "Lab", "Dial", "my_nao", "show_film")
+RUNS = Path("build", "runs.json")  # git ignores it
 CODE_STUB = {"python": "raise NotImplementedError"}
 _DRAWN = re.compile(r"<img[^>]*src=\"data:image/(\w+);base64,([^\"]+)")
 _IMAGE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)|<img[^>]*\ssrc=[\"']([^\"']+)|\[[^\]]*\]\((images/[^)\s]+)")
@@ -40,13 +43,15 @@ class Built:
     """What a build made, not yet written.
 
     `files` are contents by the path under the course's root, `stale` are generated files of lessons that no longer
-    exist, and `warnings` say what an author may want to add to a declaration, one line each, with its file.
+    exist, and `warnings` say what an author may want to add to a declaration, one line each, with its file. `ran` has
+    a hash of all that the outputs of a lesson depend on.
     """
 
     course: Course
     files: Mapping[Path, bytes]
     stale: tuple[Path, ...] = ()
     warnings: tuple[str, ...] = ()
+    ran: Mapping[str, str] = field(default_factory=dict)
 
     def changes(self) -> list[Path]:
         """Return the files that have changed by more than the rounding errors of another processor."""
@@ -73,6 +78,11 @@ class Built:
             temporary = target.with_name(f".{target.name}.new")
             temporary.write_bytes(self.files[path])
             temporary.replace(target)
+        if self.ran:
+            solutions, file = self.course.solutions, self.course.root / RUNS
+            runs = {name: [with_, _hash(solutions / f"{name}.ipynb")] for name, with_ in self.ran.items()}
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(json.dumps(_runs(self.course.root) | runs), encoding="utf-8")
         return changes
 
 
@@ -92,14 +102,15 @@ def build(
 ) -> Built:
     """Build lessons in memory and a temporary folder; nothing of the course changes until the result is written.
 
-    Only proofs of declarations are kept at once, in the course's folder build/, also where something else is wrong.
-    `texts` replace the files' texts, by the lesson's name, and become part of the result. Without `execute`, the
+    Without `wanted`, the course's chosen lessons are built. A notebook runs again unless only the release has another
+    version. Only proofs of declarations are kept at once, in the course's folder build/, also where something else is
+    wrong. `texts` replace the files' texts, by the lesson's name, and become part of the result. Without `execute`, the
     solution notebooks have no outputs; with `prove`, declarations are proven again although they have not changed.
     `tell` is called with a lesson's name and what is done to it. A LessonError has one line for each thing that is
     wrong, with file and cell.
     """
     texts = texts or {}
-    names = course.names(wanted)
+    names = course.names(wanted or course.chosen)
     plans = _plans(course)
     sources = {
         name: texts[name] if name in texts else course.text(name).read_text(encoding="utf-8")
@@ -122,7 +133,8 @@ def build(
             files[Path("notebooks", f"{name}.ipynb")] = lesson_text.notebook_bytes(released)
             files[OUTLINES / f"{name}.json"] = outline_bytes(released.cells)
             files |= _images(course, name, notebook, to_come=solutions)
-        ran = execute_all(solved, stage, tell) if execute and solutions else solved.items()
+        conditions = {name: runs_with(name, stage) for name in solved if execute and solutions}
+        ran = _with_outputs(course, solved, conditions, stage, tell) if execute else solved.items()
         for name, notebook in ran if solutions else ():
             files |= payoff_files(notebook) if execute else {}
             kept = stamp(course, name, sources[name], solved[name], executed=execute)
@@ -132,7 +144,35 @@ def build(
     warnings = (
         f"solutions/exercises/{name}.py: {each}" for name in names for each in plan_warnings(plans[name])
     )
-    return Built(course, files, () if wanted else _stale(course), tuple(warnings))
+    return Built(course, files, () if wanted else _stale(course), tuple(warnings), conditions)
+
+
+def _with_outputs(
+    course: Course, solved: Mapping[str, NotebookNode], conditions: Mapping[str, str], stage: Path, tell: Tell
+) -> Iterator[tuple[str, NotebookNode]]:
+    """Yield the solution notebooks: run, or with their former outputs if only the release has another version."""
+    to_run, runs = dict(solved), _runs(course.root)
+    for name, notebook in solved.items():
+        file = course.solutions / f"{name}.ipynb"
+        is_kept = runs.get(name) == [conditions[name], _hash(file)]
+        if is_kept and differs_in_version_alone(course, name, notebook):
+            former = lesson_text.read_notebook(file)
+            former.metadata = to_run.pop(name).metadata
+            yield name, former
+    yield from execute_all(to_run, stage, tell)
+
+
+def _runs(root: Path) -> dict[str, Any]:
+    """Return what was run here: by the lesson, all that its outputs depend on, and its notebook, as hashes."""
+    try:
+        found = json.loads((root / RUNS).read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _hash(file: Path) -> str:
+    return hashlib.sha256(_bytes(file) or b"").hexdigest()
 
 
 def _plans(course: Course) -> dict[str, LessonPlan]:

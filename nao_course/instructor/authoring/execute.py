@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
+import json
 import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from importlib.metadata import version
 from pathlib import Path
 from subprocess import DEVNULL
 
@@ -17,12 +20,16 @@ from nbclient.exceptions import CellExecutionError, CellTimeoutError
 from nbformat import NotebookNode
 
 from nao_course._internal.single_threaded import SINGLE_THREADED
+from nao_course.exercises import lesson_names
+from nao_course.exercises.notebook_text import read_cells
 from nao_course.instructor.authoring import lesson_text
 from nao_course.instructor.authoring.course import LessonError
+from nao_course.instructor.authoring.plans import CHECKS, OUTLINES
 
 LARGEST = 1_000_000  # bytes of an executed notebook
 TRIES = 3  # to start a kernel
 LONGEST = 60  # seconds that a whole lesson may run; a single cell gets as much
+_RUN = ("ipykernel", "ipywidgets", "matplotlib", "numpy", "opencv-python-headless", "scipy", "sympy")
 _ADDRESS = re.compile(r"0x[0-9a-f]{7,16}\b")
 _WIDGET = "application/vnd.jupyter.widget-view+json"
 
@@ -74,6 +81,33 @@ def execute(solved: NotebookNode, root: Path) -> NotebookNode:
     if problems:
         raise LessonError("\n".join(problems))
     return notebook
+
+
+def runs_with(name: str, root: Path) -> str:
+    """Hash all that the outputs of a lesson depend on besides its own cells, under the root of the library it imports.
+
+    These are the library and the check data, without what belongs to later lessons; the code of the lessons
+    before it; and the versions of Python and of what computes and draws.
+    """
+    solutions = sorted((root / "solutions").glob(f"{lesson_names.PATTERN}.ipynb"))
+    later = [path.stem for path in solutions if path.stem > name]
+    apart = [OUTLINES, Path("nao_course", "instructor")]
+    apart += [CHECKS / f"{each}.bin" for each in later]
+    apart += [Path("nao_course", "lessons", each.partition("_")[2]) for each in later]
+    files = (
+        path for path in sorted((root / "nao_course").rglob("*")) if path.is_file() and path.suffix != ".pyc"
+    )
+    library = {path.relative_to(root): path for path in files}
+    parts = {
+        "library": {
+            each.as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+            for each, path in library.items()
+            if not any(each.is_relative_to(folder) for folder in apart)
+        },
+        "solutions": {path.stem: read_cells(path) for path in solutions if path.stem < name},
+        "versions": [sys.version, *map(version, _RUN)],
+    }
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
 def _run(notebook: NotebookNode, file: str, root: Path) -> None:

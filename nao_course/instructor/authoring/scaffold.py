@@ -173,7 +173,9 @@ from nao_course.exercises import Case, Close, Exercise, LessonPlan, Question
 from nao_course.instructor.authoring.mistakes import catalogue
 
 
-{declarations}WHY = Question(
+{declarations}{questions}PLAN = {plan}
+'''
+_WHY = """WHY = Question(
     name="{name}_why",
     text="TODO: a question about the idea?",
     choices={{
@@ -184,7 +186,8 @@ from nao_course.instructor.authoring.mistakes import catalogue
     right="TODO: the right choice",
 )
 
-LIMITS = Question(
+"""
+_LIMITS = """LIMITS = Question(
     name="{name}_limits",
     text="TODO: what happens if an assumption does not hold?",
     choices={{
@@ -195,8 +198,9 @@ LIMITS = Question(
     right="TODO: the right choice",
 )
 
-PLAN = {plan}
-'''
+"""
+# The rules that a lesson of one function and one question does not keep: docs/write_a_lesson.md
+_WAIVED = 'dict.fromkeys(["2", "3", "5", "11", "12"], "a short lesson")'
 _TEST = '''"""The equations of lesson {number}, each held against the solution that the lesson builds on it."""
 
 import numpy as np
@@ -222,7 +226,8 @@ _ABOUT = """
 does = "TODO: what a student does, for the README"
 can = "TODO: what a student can do afterwards"
 left_out = "TODO: what happens without the lesson"
-card = [0.0, 0.0, 1.0, 1.0]  # TODO: a part of the opening figure: left, top, right, bottom
+"""
+_CARD = """card = [0.0, 0.0, 1.0, 1.0]  # TODO: a part of the opening figure: left, top, right, bottom
 card_shows = "TODO: what is seen there, for who cannot see it"
 """
 LINE_LENGTH = 110  # of the formatter, as in pyproject.toml
@@ -238,13 +243,15 @@ controls = [Slider("value", "Value", 0, 10, 1, 3)]
 functions = {{"{first}": {first}}}
 FunctionPanel("TODO: what it shows", show, controls, student=functions)"""
 TEXT = "scaffold.md"  # beside this module: the text of a new lesson
+SHORT_TEXT = "scaffold.short.md"  # the text of a new lesson of one function and one question
 
 
-def add_lesson(course: Course, number: str, name: str) -> list[Path]:
+def add_lesson(course: Course, number: str, name: str, *, short: bool = False) -> list[Path]:
     """Begin a lesson with two digits that no lesson has, and a name of lower-case words with underscores.
 
-    Return the text, the declaration, the test of its equations, and the file of what the course says about lessons,
-    which gets a part. Raise a LessonError if number or name cannot be used.
+    A short lesson has one function, one question and no figure, and waives the rules that this breaks. Return the text,
+    the declaration, the test of its equations, and the file of what the course says about lessons, which gets a part.
+    Raise a LessonError if number or name cannot be used.
     """
     if not re.fullmatch(r"\d\d", number) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise LessonError(
@@ -253,16 +260,16 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
     taken = lesson_names.meant(number, course.names())
     if taken:
         raise LessonError(f"lesson {number} is there already: {taken[0]}")
-    words = _words(number, name)
+    words = _words(number, name, short)
     stem = words["stem"]
-    text = (resources.files(__package__) / TEXT).read_text(encoding="utf-8")
+    text = (resources.files(__package__) / (SHORT_TEXT if short else TEXT)).read_text(encoding="utf-8")
     about = course.solutions / ABOUT
     said = about.read_text(encoding="utf-8") if about.is_file() else ""
     made = {
         course.text(stem): lesson_text.HEADER + text.format_map(words),
         course.declaration(stem): _PLAN.format_map(words),
         course.root / "tests" / "lessons" / f"test_{stem}.py": _TEST.format_map(words),
-        about: said + _ABOUT.format_map(words),
+        about: said + (_ABOUT + _CARD * (not short)).format_map(words),
     }
     for path, content in made.items():
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -270,9 +277,9 @@ def add_lesson(course: Course, number: str, name: str) -> list[Path]:
     return list(made)
 
 
-def _words(number: str, name: str) -> dict[str, str]:
+def _words(number: str, name: str, short: bool) -> dict[str, str]:
     """Return the replacements for placeholders in the texts of a new lesson."""
-    exercises = {each: f"{name}_{each}" for each in ("first", "second", "third")}
+    exercises = {each: f"{name}_{each}" for each in ("first", "second", "third")[: 1 if short else 3]}
     declared = [_DECLARATION.format(name=each, constant=each.upper(), stars=1) for each in exercises.values()]
     return {
         "number": number,
@@ -280,17 +287,20 @@ def _words(number: str, name: str) -> dict[str, str]:
         "name": name,
         "stem": f"{number}_{name}",
         "title": name.replace("_", " ").capitalize(),
+        "questions": (_WHY + _LIMITS * (not short)).format(name=name),
         "panel": PANEL.format_map(exercises),
         "panel_import": PANEL_IMPORT,
         "declarations": "".join(declared),
-        "plan": _plan([each.upper() for each in exercises.values()]),
+        "plan": _plan([each.upper() for each in exercises.values()], short),
         **exercises,
         **{f"{each}_solved": _SOLVED.format(name=exercise) for each, exercise in exercises.items()},
     }
 
 
-def _plan(constants: Sequence[str]) -> str:
+def _plan(constants: Sequence[str], short: bool) -> str:
     """Return the plan's call in as many lines as the formatter would give it."""
+    if short:
+        return f"LessonPlan(\n    exercises=[{constants[0]}],\n    questions=[WHY],\n    waived={_WAIVED},\n)"
     exercises, questions = ", ".join(constants), "questions=[WHY, LIMITS]"
     inside = f"exercises=[{exercises}], {questions}"
     if len(f"PLAN = LessonPlan({inside})") <= LINE_LENGTH:

@@ -87,6 +87,15 @@ def _not_built(course: Course, name: str, executed: bool) -> Iterator[str]:
         yield f"{file} was built without being run: {build}"
 
 
+def differs_in_version_alone(course: Course, name: str, notebook: Mapping[str, Any]) -> bool:
+    """Return whether the solution notebook has the same cells as this one, and another version of the release."""
+    path = course.solutions / f"{name}.ipynb"
+    if not path.is_file():
+        return False
+    kept, cells = _read(path)
+    return kept.get("version") != course.version and cells == _fingerprint(notebook)
+
+
 def refuse_to_lose_edits(course: Course, names: Sequence[str]) -> None:
     """Raise a LessonError instead of building over solution notebooks that were edited in JupyterLab."""
     lost = [name for name in names if edited(course, name)[1]]

@@ -106,7 +106,7 @@ LAYOUTS = (
         "Files and folders named after students",
         r"(?!)",
         wrapper=r"(?:.+-)?submissions",  # GitHub Classroom's, too
-        ignored=r"worlds\.csv|(?P<student>[^/]+)/(?:README\.md|LICENSE|\.git(?:ignore|attributes|hub/.*))",
+        ignored=r"(?:worlds|handed_in)\.csv|(?P<student>[^/]+)/(?:README\.md|LICENSE|\.git(?:ignore|attributes|hub/.*))",
         is_certain=False,
     ),
 )

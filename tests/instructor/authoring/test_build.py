@@ -97,6 +97,86 @@ def test_a_written_question_is_a_text_cell_that_a_person_marks(course):
     assert "begin with +++" in run("build").output
 
 
+@pytest.fixture
+def runs(monkeypatch):
+    """Return the names of the lessons that are run, in the order in which they are."""
+    names = []
+
+    def run_it(solved, root):
+        names.append(solved.metadata.nao_course.lesson)
+        return with_output(solved, f"run {len(names)}")
+
+    monkeypatch.setattr("nao_course.instructor.authoring.execute.execute", run_it)
+    return names
+
+
+def with_output(solved, text):
+    notebook = nbformat.from_dict(solved)
+    notebook.cells[-1].outputs = [nbformat.v4.new_output("stream", text=text)]
+    return notebook
+
+
+def test_a_new_version_is_stamped_into_notebooks_without_running_them_again(course, runs):
+    assert run("build").exit_code == 0 and runs == ["01_toy"]
+    write(course.root / "course.toml", 'version = "1"', 'version = "2"')
+    assert run("build").exit_code == 0 and runs == ["01_toy"]
+    for folder in ("notebooks", "solutions"):
+        assert nbformat.read(f"{folder}/01_toy.ipynb", as_version=4).metadata.nao_course.version == "2"
+    assert nbformat.read("solutions/01_toy.ipynb", as_version=4).cells[-1].outputs[0].text == "run 1"
+    assert run("build").exit_code == 0 and len(runs) == 2, "a build of the same version runs all"
+
+
+CHANGES = {
+    "the code": ("solutions/01_toy.md", 'print("shown")', 'print("more")'),
+    "the words": ("solutions/01_toy.md", "Words", "Other words"),
+    "the declaration's check data": ("solutions/exercises/01_toy.py", "Look.", "Look there."),
+    "the library": ("nao_course/geometry.py", "import", "# changed\nimport"),
+}
+
+
+@pytest.mark.parametrize("changed", CHANGES)
+def test_a_new_version_with_a_change_of_what_the_outputs_depend_on_is_run(course, runs, changed):
+    assert run("build").exit_code == 0
+    file, old, new = CHANGES[changed]
+    (course.root / file).write_text((course.root / file).read_text().replace(old, new, 1))
+    write(course.root / "course.toml", 'version = "1"', 'version = "2"')
+    assert run("build").exit_code == 0 and len(runs) == 2
+
+
+def test_a_lesson_that_was_built_without_being_run_is_run_with_a_new_version(course, runs):
+    assert run("build").exit_code == 0 and run("build", "--no-execute").exit_code == 0
+    write(course.root / "course.toml", 'version = "1"', 'version = "2"')
+    assert run("build").exit_code == 0 and len(runs) == 2
+
+
+def add_lessons(course, *numbers):
+    """Copy the course's lesson, with other names."""
+    for number in numbers:
+        for path in (course.text("01_toy"), course.declaration("01_toy")):
+            said = path.read_text().replace("01_toy", f"{number}_toy").replace("double", f"double_{number}")
+            path.with_stem(f"{number}_toy").write_text(said)
+
+
+def test_a_new_version_with_another_solution_of_an_earlier_lesson_runs_the_later_ones(course, runs):
+    add_lessons(course, "02")
+    assert run("build").exit_code == 0
+    write(course.text("02_toy"), "return 2.0 * value", "return value + value")
+    write(course.root / "course.toml", 'version = "1"', 'version = "2"')
+    assert run("build").exit_code == 0 and sorted(runs) == ["01_toy", "02_toy", "02_toy"]
+    write(course.text("01_toy"), "return 2.0 * value", "return value + value")
+    write(course.root / "course.toml", 'version = "2"', 'version = "3"')
+    assert run("build").exit_code == 0 and sorted(runs) == ["01_toy"] * 2 + ["02_toy"] * 3
+
+
+def test_without_numbers_the_lessons_of_the_course_file_are_built(course, runs):
+    add_lessons(course, "02", "03")
+    write(course.root / "course.toml", "[points]", 'lessons = ["01", "03"]\n[points]')
+    assert run("build").exit_code == 0
+    assert sorted(path.name for path in Path("notebooks").iterdir()) == ["01_toy.ipynb", "03_toy.ipynb"]
+    assert run("build", "02").exit_code == 0 and sorted(runs) == ["01_toy", "02_toy", "03_toy"]
+    assert run("build").exit_code == 0 and Path("notebooks/02_toy.ipynb").is_file(), "it is not deleted"
+
+
 def test_points_of_the_course_file_count(course):
     write(course.root / "course.toml", "[points]", "[points]\ndouble = 2.5")
     assert run("build").exit_code == 0

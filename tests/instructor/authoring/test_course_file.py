@@ -1,11 +1,16 @@
 """A course.toml is understood, or the message names the key and what is allowed."""
 
+import os
+import shutil
+import subprocess
+import sys
 from datetime import datetime
 
 import pytest
 
 from nao_course.instructor.authoring.course import LessonError, load_course
 from nao_course.instructor.authoring.course_file import CourseFileError, read_course_file
+from tests.paths import PROJECT
 
 START = 'title = "Robots"\nversion = "1.0"\n'
 
@@ -61,3 +66,46 @@ def test_what_is_wrong_is_said_with_its_key_and_what_is_allowed(read, tmp_path):
             read('\nversion = "1"', start=title)
     with pytest.raises(LessonError, match="title must be a text"):
         load_course(tmp_path)
+
+
+SETTINGS = """lessons = ["00", "01", "04"]
+[deadlines]
+01 = 2026-11-20T23:59:00+01:00
+11 = 2027-01-20T23:59:00+01:00
+[late]
+per_day = 0.1
+grace_hours = 2
+most = 0.5
+[extensions."ada@uni.example"]
+04 = 2026-12-27T23:59:00+01:00
+[points]
+"""
+READERS = ["website", "instructor/authoring/test_course.py", "lessons/test_built.py", "test_images.py"]
+
+
+@pytest.mark.slow
+def test_the_settings_of_a_term_leave_the_courses_own_tests_green(tmp_path):
+    """The first step of a term is `make test`, with the course.toml of the term."""
+    for folder in (
+        "nao_course",
+        "solutions",
+        "notebooks",
+        "tests",
+        "docs",
+        "images",
+        "website",
+        "web",
+        "deploy",
+    ):
+        ignored = shutil.ignore_patterns("__pycache__", "node_modules")
+        shutil.copytree(PROJECT / folder, tmp_path / folder, ignore=ignored)
+    for file in PROJECT.glob("*.*"):
+        shutil.copy(file, tmp_path)
+    settings = (PROJECT / "course.toml").read_text(encoding="utf-8")
+    (tmp_path / "course.toml").write_text(settings.replace("[points]\n", SETTINGS), encoding="utf-8")
+    tests = [f"tests/{each}" for each in READERS]
+    options = ["-q", "-m", "not slow and not browser", "-p", "no:cacheprovider", "-p", "no:nbval"]
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    command = [sys.executable, "-m", "pytest", *options, *tests]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-3000:]
