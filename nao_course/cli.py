@@ -275,7 +275,9 @@ _PROVE: bool = typer.Option(False, "--prove", help="Prove every declaration agai
 
 @app.command(hidden=_STUDENTS)
 def build(
-    lessons: list[str] | None = typer.Argument(None, help="Numbers of lessons; by default all lessons."),
+    lessons: list[str] | None = typer.Argument(
+        None, help="Numbers of lessons; by default the lessons of course.toml."
+    ),
     from_notebook: str = typer.Option(
         "", metavar="NN", help="First copy the changes in solutions/NN_name.ipynb into the text."
     ),
@@ -303,8 +305,9 @@ def build(
             (name,) = wanted = course.names([from_notebook])
             texts[name] = build.text_from_notebook(course, name)
         else:
-            stamps.refuse_to_lose_edits(course, course.names(wanted))
-        tasks = {name: progress.add_task(name, total=None, step="") for name in course.names(wanted)}
+            stamps.refuse_to_lose_edits(course, course.names(wanted or course.chosen))
+        names = course.names(wanted or course.chosen)
+        tasks = {name: progress.add_task(name, total=None, step="") for name in names}
 
         def tell(lesson: str, step: str) -> None:
             progress.update(tasks[lesson], step=step, total=1, completed=step == "done")
@@ -633,13 +636,17 @@ def new_exercise(
 
 
 @new.command("lesson")
-def new_lesson(number: str, name: str) -> None:
+def new_lesson(
+    number: str,
+    name: str,
+    short: bool = typer.Option(False, "--short", help="One function, one question and no figure."),
+) -> None:
     """Create a lesson: a text and a declaration, with a TODO for each open part."""
     with _errors_in_words():
         from nao_course.instructor.authoring import scaffold
         from nao_course.instructor.authoring.course import load_course
 
-        for path in scaffold.add_lesson(load_course(), number, name):
+        for path in scaffold.add_lesson(load_course(), number, name, short=short):
             _say(f"wrote {os.path.relpath(path)}")
 
 

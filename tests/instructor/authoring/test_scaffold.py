@@ -132,7 +132,7 @@ def forget_what_was_read():
 
 
 def test_a_short_lesson_has_one_function_and_one_question_and_waives_what_this_breaks(course):
-    add_lesson(course, "90", "toy_lesson", short=True)
+    assert run("new", "lesson", "90", "toy_lesson", "--short").exit_code == 0
     plan = course.plan(NAME)
     assert (len(plan.exercises), len(plan.questions)) == (1, 1)
     assert set(plan.waived) == {"2", "3", "5", "11", "12"}
