@@ -93,7 +93,7 @@ def test_what_was_collected_is_graded_under_the_names_that_the_sheet_has(hub, tm
     students = [each.student for each in (*gathered.submissions, *gathered.refused)]
     assert students == ["Ada Lovelace_11", "Ben O Neil x_22"]
     filled = fill_sheet("moodle", tmp_path / "sheet.csv", [])
-    assert filled.without_grade == ("Participant 11", "Participant 22")
+    assert filled.without_grade == ("Ada Lovelace", "Ben O_Neil/x")
 
 
 def test_what_was_collected_at_the_deadline_stays_as_it_was(hub, tools, capsys):
