@@ -11,6 +11,10 @@ from tests.paths import PROJECT
 from tests.test_installed import Environment, declared
 from tests.versions.differences import DIFFERENCES, result
 
+# A student's overview gives each notebook some seconds; here no notebook is too late.
+OVERVIEW = (
+    "from nao_course.student import overview; overview.SECONDS = 600.0; print(repr(overview.progress()))"
+)
 PYTHONS = {"lowest-direct": ["3.11"], "highest": ["3.13", "3.12"]}
 
 
@@ -36,7 +40,7 @@ def test_all_exercises_pass_their_public_checks_and_the_differences_are_as_writt
     assert environment.install("--no-deps", "--no-build-isolation", "-e", PROJECT).returncode == 0
     for path in (PROJECT / "solutions").glob("*.ipynb"):
         shutil.copy(path, environment.folder)
-    said = environment.says("nao-course", "check", "00_meet_the_nao.ipynb")
+    said = environment.says("python", "-c", OVERVIEW)
     passed, points = re.search(r"All lessons: (\d+) of (\d+) points", " ".join(said.split())).groups()
     assert passed == points and int(points) > 200, said
     results = json.loads(environment.says("python", str(PROJECT / "tests" / "versions" / "differences.py")))
