@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 from datetime import datetime
+from pathlib import Path
 
 import pytest
 
@@ -99,7 +100,7 @@ def test_the_settings_of_a_term_leave_the_courses_own_tests_green(tmp_path):
     ):
         ignored = shutil.ignore_patterns("__pycache__", "node_modules")
         shutil.copytree(PROJECT / folder, tmp_path / folder, ignore=ignored)
-    for file in PROJECT.glob("*.*"):
+    for file in filter(Path.is_file, PROJECT.iterdir()):
         shutil.copy(file, tmp_path)
     settings = (PROJECT / "course.toml").read_text(encoding="utf-8")
     (tmp_path / "course.toml").write_text(settings.replace("[points]\n", SETTINGS), encoding="utf-8")
