@@ -7,25 +7,17 @@ import pwd
 import sqlite3
 import stat
 import subprocess
-import sys
 from contextlib import closing
 
 import pytest
-
-from tests.paths import PROJECT
 
 ADA = "ada@uni.example"
 needs_root = pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root makes accounts")
 
 
 @pytest.fixture
-def backup(monkeypatch):
-    monkeypatch.syspath_prepend(str(PROJECT / "deploy" / "hub"))
-    import backup
-
-    yield backup
-    for name in ("backup", "names"):
-        sys.modules.pop(name)
+def backup(hub_program):
+    return hub_program("backup")
 
 
 @pytest.fixture

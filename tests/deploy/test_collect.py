@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from datetime import UTC, datetime, timedelta
 from itertools import count
 
@@ -14,7 +13,6 @@ from nao_course.instructor.collecting.roster import Roster
 from nao_course.instructor.collecting.sheets import read_sheet
 from nao_course.instructor.collecting.submissions import gather
 from nao_course.instructor.reports.platforms import fill_sheet
-from tests.paths import PROJECT
 
 LESSON = "01_hsl_filtering.ipynb"
 ADA, BEN = "ada@uni.example", "ben@uni.example"
@@ -26,14 +24,8 @@ CANVAS = f"Student,ID,SIS Login ID,Section\nPoints Possible,,,\nLovelace Ada,11,
 
 
 @pytest.fixture
-def tools(monkeypatch):
-    monkeypatch.syspath_prepend(str(PROJECT / "deploy" / "hub"))
-    import collect
-    import names
-
-    yield collect, names.system_name
-    for name in ("collect", "names"):
-        sys.modules.pop(name)
+def tools(hub_program):
+    return hub_program("collect"), hub_program("names").system_name
 
 
 @pytest.fixture

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from types import SimpleNamespace
 
 import pytest
 
-from tests.paths import PROJECT
-
 ADA, BEN = "ada@uni.example", "ben@uni.example"
 
 
 @pytest.fixture
-def remove(monkeypatch):
-    monkeypatch.syspath_prepend(str(PROJECT / "deploy" / "hub"))
-    import remove
-
-    yield remove
-    for name in ("remove", "names"):
-        sys.modules.pop(name)
+def remove(hub_program):
+    return hub_program("remove")
 
 
 @pytest.fixture
