@@ -348,7 +348,7 @@ def test_decisions_stay_with_the_answer_that_they_were_made_for(course, warm, tm
     grade("Because.", double=slip)
     run("marks", grades)
     sheet.write_text(sheet.read_text("utf-8-sig").replace("Because.,,,", "Because.,1.5,,"), "utf-8")
-    assert "1 mark read" in run("marks", grades, sheet).output
+    assert "read, 1 of them new" in run("marks", grades, sheet).output
     run("regrade", grades, "--student", "ada", "--set", "double=1", "--reason", "nearly")
     points, waiting, said = grade("Because.", double=slip, total=chain.MISTAKES["total"])
     assert (points["double"], points["total"], waiting) == (1, 0, ()) and "Decisions" not in said

@@ -95,7 +95,7 @@ def test_a_mutant_that_never_ends_is_caught(tmp_path, monkeypatch):
     slow = toy.solutions(tmp_path / "slow")
     body = "def clamp(x, low, high):\n    k = 0\n    while k < 3:\n        k += 1\n    return max(low, min(high, x))"
     toy.write(slow / "90_toy.ipynb", ("solution", body), ("solution", toy.MEAN))
-    monkeypatch.setattr(mutation, "_by_cosmic_ray", lambda source: iter(()))
+    monkeypatch.setattr(mutation, "_by_cosmic_ray", lambda source, operators: iter(()))
     monkeypatch.setattr(mutation, "_by_us", lambda tree: iter([("endless", body.replace("+=", "-="))]))
     report = mutate("90", jobs=1, solutions=slow)
     assert [(trial.hidden, trial.public) for trial in report.trials if trial.mutant.exercise == "clamp"] == [

@@ -104,7 +104,6 @@ def test_the_numbers_of_the_lessons_own_search_are_those_of_its_solution():
         f"{low:.1f} to {high:.1f}",
         f"costs {found[120, 5, 40].mean():.2f}",
         f"{halves.promised.mean():.2f} on the first half and {halves.kept.mean():.2f} on the second",
-        f"{(halves.kept > 4).sum()} of the 1000",
     )
     assert sorted(found[130, 7, 30])[-2:] == sorted(found[130, 7, 30][[10, 14]]) == [16, 26]
     assert 0.3 < shares_won(found)[best] < 0.37
