@@ -402,13 +402,13 @@ def grade(
 ) -> None:
     """Grade new and changed submissions (instructors). The status is 0 if each has a score or a reason."""
     with _errors_in_words():
-        from nao_course.instructor import commands
         from nao_course.instructor.autograding.session import Machines
+        from nao_course.instructor.commands import grading
 
         if scheduler and workers:
             raise ValueError("Give --scheduler or --workers, not both: a scheduler has its own workers.")
         machines = Machines(jobs, require_sandbox, scheduler, workers)
-        commands.grade_folder(console, submissions, out, lesson, machines, sheet=sheet, dry_run=dry_run)
+        grading.grade_folder(console, submissions, out, lesson, machines, sheet=sheet, dry_run=dry_run)
 
 
 @app.command(hidden=_STUDENTS)
@@ -429,9 +429,9 @@ def students(
 ) -> None:
     """List the students of the class, and say who is who (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import student_commands
+        from nao_course.instructor.commands import students
 
-        for line in student_commands.students(grades, sheet, lesson, same, rename, new, forget):
+        for line in students.students(grades, sheet, lesson, same, rename, new, forget):
             _say(line)
 
 
@@ -450,18 +450,18 @@ def regrade(
 ) -> None:
     """Grade a student's submission again, or set points by hand with a reason (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import commands, decision_commands
+        from nao_course.instructor.commands import decisions, grading
 
         if sum(map(bool, (points, unset, keep))) > 1:
             raise ValueError("give one of --set, --unset and --keep at a time")
         if points:
-            lines = decision_commands.set_points(grades, student, lesson, points, reason, by)
+            lines = decisions.set_points(grades, student, lesson, points, reason, by)
         elif unset:
-            lines = decision_commands.unset_points(grades, student, lesson, unset, by)
+            lines = decisions.unset_points(grades, student, lesson, unset, by)
         elif keep:
-            lines = decision_commands.keep_points(grades, student, keep, reason, by)
+            lines = decisions.keep_points(grades, student, keep, reason, by)
         else:
-            commands.regrade_student(console, grades, student, lesson)
+            grading.regrade_student(console, grades, student, lesson)
             return
         for line in lines:
             _say(line)
@@ -471,9 +471,9 @@ def regrade(
 def undo(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Take back the last marks, comments, points, requests or change of students (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import decision_commands
+        from nao_course.instructor.commands import decisions
 
-        for line in decision_commands.undo(grades):
+        for line in decisions.undo(grades):
             _say(line)
 
 
@@ -484,9 +484,9 @@ def history(
 ) -> None:
     """Write a page with everything that was graded and decided for a student (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import decision_commands
+        from nao_course.instructor.commands import decisions
 
-        for line in decision_commands.history(grades, student):
+        for line in decisions.history(grades, student):
             _say(line)
 
 
@@ -499,9 +499,9 @@ def requests(
 ) -> None:
     """List the students' open requests to look at an exercise again (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import class_commands
+        from nao_course.instructor.commands import classes
 
-        for line in class_commands.requests(grades, submissions):
+        for line in classes.requests(grades, submissions):
             _say(line)
 
 
@@ -518,9 +518,9 @@ def export(
 ) -> None:
     """Write grades for another system into GRADES/exports (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import export_commands
+        from nao_course.instructor.commands import exporting
 
-        for line in export_commands.export(grades, format_, lesson, sheet, column, scale=scale):
+        for line in exporting.export(grades, format_, lesson, sheet, column, scale=scale):
             _say(line)
 
 
@@ -550,15 +550,15 @@ def marks(
 ) -> None:
     """Write sheets for marking the written answers, or read a completed sheet (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import marking_commands
+        from nao_course.instructor.commands import marking
         from nao_course.instructor.reports.comment_sheets import is_comment_sheet
 
         if file and is_comment_sheet(file):
-            lines = marking_commands.read_comments(grades, file, by)
+            lines = marking.read_comments(grades, file, by)
         elif comments and not file:
-            lines = marking_commands.write_comment_sheets(grades, anonymous=anonymous, lesson=lesson)
+            lines = marking.write_comment_sheets(grades, anonymous=anonymous, lesson=lesson)
         else:
-            lines = marking_commands.marks(
+            lines = marking.marks(
                 grades,
                 file,
                 anonymous=anonymous,
@@ -580,9 +580,9 @@ def oral(
 ) -> None:
     """Write a page with questions for five minutes about each student's own submission (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import marking_commands
+        from nao_course.instructor.commands import marking
 
-        for line in marking_commands.write_oral_check(grades, lesson, student):
+        for line in marking.write_oral_check(grades, lesson, student):
             _say(line)
 
 
@@ -590,9 +590,9 @@ def oral(
 def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """Write a page about the class: scores, exercises and refused submissions (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import class_commands
+        from nao_course.instructor.commands import classes
 
-        for line in class_commands.report(grades):
+        for line in classes.report(grades):
             _say(line)
 
 
@@ -600,9 +600,9 @@ def report(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of 
 def status(grades: Path = typer.Argument(..., metavar="GRADES", help="Folder of the journal.")) -> None:
     """List who handed in, what waits for marks or answers, and what to do next; also as a page (instructors)."""
     with _errors_in_words():
-        from nao_course.instructor import class_commands
+        from nao_course.instructor.commands import classes
 
-        for line in class_commands.status(console, grades):
+        for line in classes.status(console, grades):
             _say(line)
 
 

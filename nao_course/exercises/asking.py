@@ -154,7 +154,7 @@ class Prediction:
         """
         if self.value is not None or self.given_up or strict():
             return answer
-        return Message("This figure waits for your prediction: write it down, then run this cell again.")
+        return Message("The result waits for your prediction: write it down, then run this cell again.")
 
     def give_up(self) -> Message:
         """Return the result without a prediction."""

@@ -8,9 +8,8 @@ from html import escape
 from pathlib import Path
 
 from nao_course.exercises.checking import lessons, read_public
-from nao_course.student.notebooks import functions, notebooks_folder
+from nao_course.student.notebooks import functions, notebook_of, notebooks_folder
 
-SECONDS = 5.0  # wall clock for loading a notebook, and for each case of a check
 PUBLIC_ONLY = "These are the public checks; the grader uses further checks with other inputs."
 _HEADINGS = ("lesson", "state", "exercises that pass", "points", "in your own words")
 
@@ -20,8 +19,8 @@ class LessonProgress:
     """Progress in one lesson, such as "01_hsl_filtering".
 
     `passed` counts the exercises that pass their public checks, with `earned` of all `points`; `answered` counts the
-    written answers that are filled in, whose points a person marks. `problem` says why the notebook cannot be read, and
-    `upcoming` is the next task; both may be empty.
+    written answers that are filled in, whose points a person marks. `problem` says why the notebook cannot be read (it
+    is there if `is_unread`), and `upcoming` is the next task; both may be empty.
     """
 
     lesson: str
@@ -34,6 +33,7 @@ class LessonProgress:
     written_points: float
     problem: str = ""
     upcoming: str = ""
+    is_unread: bool = False
 
     @property
     def state(self) -> str:
@@ -63,9 +63,13 @@ class Progress:
     lessons: tuple[LessonProgress, ...]
 
     def total(self, first: str = "") -> str:
-        """Return the points of the lesson `first`, if given, and of all lessons, with a note on the grader's checks."""
+        """Return the points of all lessons, with a note on the grader's checks.
+
+        With a lesson `first`, begin with its points, and name the notebooks that are there and could not be read.
+        """
         sums = [f"{each.lesson}: {_sum([each])}." for each in self.lessons if each.lesson == first]
-        return " ".join([*sums, f"All lessons: {_sum(self.lessons)}.", PUBLIC_ONLY])
+        unread = [f"Not counted: {each.problem}" for each in self.lessons if first and each.is_unread]
+        return " ".join([*sums, f"All lessons: {_sum(self.lessons)}.", *unread, PUBLIC_ONLY])
 
     def upcoming(self) -> str:
         """Return the next task as text."""
@@ -107,13 +111,13 @@ def progress(folder: str | Path | None = None) -> Progress:
         A table. For a notebook that is missing, broken or never ends it contains the reason.
     """
     where = notebooks_folder(folder)
-    return Progress(tuple(lesson_progress(lesson, where, SECONDS) for lesson in lessons()))
+    return Progress(tuple(lesson_progress(lesson, where) for lesson in lessons()))
 
 
-def lesson_progress(lesson: str, folder: Path, most_seconds: float) -> LessonProgress:
-    """Return the progress in a lesson's saved notebook; `most_seconds` as in `functions`."""
+def lesson_progress(lesson: str, folder: Path) -> LessonProgress:
+    """Return the progress in a lesson's saved notebook."""
     public = read_public(lesson)
-    found = functions(lesson, folder, most_seconds)
+    found = functions(lesson, folder)
     states = {report.name: report.state for report in found.reports}
     left = [
         *(
@@ -134,6 +138,7 @@ def lesson_progress(lesson: str, folder: Path, most_seconds: float) -> LessonPro
         written_points=sum(each.points for each in public.written),
         problem=found.problem,
         upcoming=left[0] if left else "",
+        is_unread=bool(found.problem) and notebook_of(lesson, folder).exists(),
     )
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from nao_course._internal.counts import say_count
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.secret import load_secret
-from nao_course.instructor.commands import refuse_edited_lessons
-from nao_course.instructor.feedback_pages import FEEDBACK
+from nao_course.instructor.commands.feedback_pages import FEEDBACK
+from nao_course.instructor.commands.grading import refuse_edited_lessons
+from nao_course.instructor.commands.looking_up import graded_lesson, list_problems, only_lesson
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.scores import all_scores
-from nao_course.instructor.looking_up import graded_lesson, list_problems, only_lesson
 from nao_course.instructor.reports import exports, platforms
 from nao_course.instructor.reports.feedback import feedback_page
 from nao_course.instructor.reports.html import write_whole
@@ -80,7 +80,7 @@ def _platform(
 
 
 def _gradescope(grades: Path, lesson: str) -> Iterator[str]:
-    from nao_course.instructor.gradescope import write_autograder
+    from nao_course.instructor.commands.gradescope import write_autograder
 
     course, secret = load_course(), load_secret()
     wanted = course.names([lesson]) if lesson else []

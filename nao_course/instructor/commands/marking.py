@@ -7,18 +7,16 @@ from functools import cache, partial
 from pathlib import Path
 
 from nao_course._internal.counts import say_count
-from nao_course.instructor import student_commands
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.autograding.secret import load_secret, student_code
 from nao_course.instructor.collecting import files
 from nao_course.instructor.collecting.archives import Refused
 from nao_course.instructor.collecting.names import safe_name
-from nao_course.instructor.commands import handed_in_before
-from nao_course.instructor.feedback_pages import write_pages
-from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.gradebook.records import SubmissionResult
-from nao_course.instructor.looking_up import (
+from nao_course.instructor.commands import students
+from nao_course.instructor.commands.feedback_pages import write_pages
+from nao_course.instructor.commands.grading import handed_in_before
+from nao_course.instructor.commands.looking_up import (
     graded_lesson,
     list_problems,
     login,
@@ -27,7 +25,9 @@ from nao_course.instructor.looking_up import (
     results_of,
     without_result,
 )
-from nao_course.instructor.personal_numbers import PersonalNumbers
+from nao_course.instructor.commands.personal_numbers import PersonalNumbers
+from nao_course.instructor.gradebook.journal import Journal
+from nao_course.instructor.gradebook.records import SubmissionResult
 from nao_course.instructor.reports import comment_sheets, marking_sheets
 from nao_course.instructor.reports.html import write_whole
 from nao_course.instructor.similarity.own_code import defining_cell, own_code
@@ -55,7 +55,7 @@ def marks(
     """
     with Journal(grades, make=False, policy=load_course().late_policy) as journal:
         if file is None:
-            copies = student_commands.names_in_copies(worlds, journal.roster()) if worlds else {}
+            copies = students.names_in_copies(worlds, journal.roster()) if worlds else {}
             if worlds:
                 yield from without_result(worlds.name, copies, journal)
             yield from _sheets(

@@ -11,10 +11,10 @@ import pytest
 from typer.testing import CliRunner
 
 from nao_course import cli
-from nao_course.instructor import commands, student_commands
 from nao_course.instructor.autograding.batch import grade_all
 from nao_course.instructor.collecting.files import read
 from nao_course.instructor.collecting.roster import Roster, Student
+from nao_course.instructor.commands import grading, students
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import SubmissionResult
 from tests.handed_in import answered, packed
@@ -81,9 +81,9 @@ def grader(tmp_path, monkeypatch, secret):
     for lesson in LESSONS.values():
         (tmp_path / "course" / "solutions" / f"{lesson}.md").touch()
     monkeypatch.chdir(tmp_path / "course")
-    monkeypatch.setattr(commands, "refuse_edited_lessons", lambda *_: None)
+    monkeypatch.setattr(grading, "refuse_edited_lessons", lambda *_: None)
     monkeypatch.setattr(
-        commands, "lessons_used", lambda _, lesson: [each for each in LESSONS.values() if each < lesson]
+        grading, "lessons_used", lambda _, lesson: [each for each in LESSONS.values() if each < lesson]
     )
     made = Grader()
 
@@ -91,7 +91,7 @@ def grader(tmp_path, monkeypatch, secret):
     def session(*_):
         yield made
 
-    monkeypatch.setattr(commands, "open_session", session)
+    monkeypatch.setattr(grading, "open_session", session)
     return made
 
 
@@ -416,9 +416,9 @@ def test_the_sheets_of_a_term_mend_a_journal_in_which_every_moodle_number_was_a_
 def test_the_names_in_personal_copies_are_found_by_any_name_and_in_the_sheet_that_release_was_given(tmp_path):
     known = Roster([Student("Ada", "Ada Kowalski", "ada@uni.example", aliases={"moodle 130000": "01"})])
     moodles = sheet_of(tmp_path, moodles_sheet("01", {0: 0}))
-    assert student_commands.names_in_copies(moodles, known) == {"Ada": "Ada Kowalski"}
+    assert students.names_in_copies(moodles, known) == {"Ada": "Ada Kowalski"}
     copies = {"Ada": "Ada Kowalski_130000"}
     own = sheet_of(tmp_path, "student,world\nada@uni.example,Ada Kowalski_130000\n")
-    assert student_commands.names_in_copies(own, known) == copies
+    assert students.names_in_copies(own, known) == copies
     with pytest.raises(ValueError, match="world"):
-        student_commands.names_in_copies(sheet_of(tmp_path, "student,wolrd\nada,x\n"), known)
+        students.names_in_copies(sheet_of(tmp_path, "student,wolrd\nada,x\n"), known)

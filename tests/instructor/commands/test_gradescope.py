@@ -14,8 +14,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from nao_course.instructor import gradescope
 from nao_course.instructor.authoring.course import Course, LessonError, load_course
+from nao_course.instructor.commands import gradescope
 from nao_course.instructor.sandbox import layers as sandbox
 from tests.paths import PROJECT
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from nao_course._internal.counts import say_count
 from nao_course.instructor.authoring.course import load_course
-from nao_course.instructor.feedback_pages import folder_of, write_pages
+from nao_course.instructor.commands.feedback_pages import folder_of, write_pages
+from nao_course.instructor.commands.looking_up import list_problems, login, result_of, without_result
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Mark, Override, SubmissionResult
-from nao_course.instructor.looking_up import list_problems, login, result_of, without_result
 from nao_course.instructor.reports.history import history_page, page_of
 from nao_course.instructor.reports.html import write_whole
 

@@ -72,7 +72,7 @@ mkdir -p "$root/results"
 chmod go-rwx "$root/results"
 export NAO_COURSE_SECRET="$root/source/secret"
 cd "$root/source"
-exec "${{NAO_COURSE_PYTHON:-$root/venv/bin/python}}" -P -m nao_course.instructor.gradescope LESSON
+exec "${{NAO_COURSE_PYTHON:-$root/venv/bin/python}}" -P -m nao_course.instructor.commands.gradescope LESSON
 """
 
 

@@ -10,7 +10,7 @@ import pytest
 from nao_course._internal.tables import TableError
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.assignment import prepare
-from nao_course.instructor.personal_numbers import PersonalNumbers, read_worlds
+from nao_course.instructor.commands.personal_numbers import PersonalNumbers, read_worlds
 from tests.pages import answer, result
 from tests.toy.course import lay_out, run, with_a_written_question, write
 

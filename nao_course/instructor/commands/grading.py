@@ -16,7 +16,6 @@ from rich.table import Table
 
 from nao_course._internal.counts import say_count
 from nao_course.exercises.versions import in_words, installed_versions, newer_than_here
-from nao_course.instructor import class_commands, student_commands, submission_times
 from nao_course.instructor.authoring.course import Course, load_course
 from nao_course.instructor.authoring.stamps import refuse_what_is_not_built
 from nao_course.instructor.autograding.assignment import lessons_used
@@ -34,10 +33,11 @@ from nao_course.instructor.collecting.submissions import (
     of_lessons,
     with_earlier,
 )
-from nao_course.instructor.feedback_pages import FEEDBACK, write_pages
+from nao_course.instructor.commands import classes, students, submission_times
+from nao_course.instructor.commands.feedback_pages import FEEDBACK, write_pages
+from nao_course.instructor.commands.looking_up import result_of, results_of, unknown_extensions
 from nao_course.instructor.gradebook.journal import Journal, JournalError
 from nao_course.instructor.gradebook.records import SubmissionResult
-from nao_course.instructor.looking_up import result_of, results_of, unknown_extensions
 from nao_course.instructor.reports import status
 from nao_course.instructor.reports.html import write_whole
 
@@ -92,7 +92,7 @@ def grade_folder(
             with Journal(out, policy=course.late_policy) as journal:
                 journal.began(path)
                 if given:
-                    for line in student_commands.learn(journal, out, given):
+                    for line in students.learn(journal, out, given):
                         console.print(line, markup=False, highlight=False, soft_wrap=True)
                 waiting = add_earlier(waiting, course, journal, scratch)
                 if found.wrapper and not roster.is_listed:
@@ -100,7 +100,7 @@ def grade_folder(
                 graded = {each.student for each in waiting}
                 journal.know(each for each in found.learned if each.student in graded)
                 summary = run(console, journal, out, waiting, machines)
-                unread = class_commands.read_requests(journal, out, path, scratch)
+                unread = classes.read_requests(journal, out, path, scratch)
                 _show_found(console, found, submission_times.in_words(waiting))
                 _show(console, journal, summary, names, found, unread)
                 not_graded = (*summary.failed, *found.asked, *found.not_graded)
@@ -276,10 +276,7 @@ def _show(
             ("Seen by the sandbox", summary.attempts),
             ("Decisions on earlier answers", changed),
             ("Points by hand below the grader's (take back with nao-course regrade --unset)", lowering),
-            (
-                "Requests (answer with nao-course regrade --set or --keep)",
-                class_commands.open_requests(journal),
-            ),
+            ("Requests (answer with nao-course regrade --set or --keep)", classes.open_requests(journal)),
             ("Requests NOT READ", unread),
             ("NO TIME, so nothing is late", untimed),
             ("Extensions in course.toml for names that no student has", unknown_extensions(journal)),

@@ -7,10 +7,10 @@ from typer.testing import CliRunner
 
 from nao_course import cli
 from nao_course.homework import REQUEST
-from nao_course.instructor import class_commands, export_commands, marking_commands
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.collecting.names import safe_name
+from nao_course.instructor.commands import classes, exporting, marking
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.late import LatePolicy
 from nao_course.instructor.reports import feedback
@@ -51,13 +51,13 @@ def page_of(grades, student):
 
 
 def table_of(grades):
-    list(export_commands.export(grades, "csv"))
+    list(exporting.export(grades, "csv"))
     with (grades / "exports" / "grades.csv").open(encoding="utf-8-sig") as file:
         return {row["student"]: row for row in csv.DictReader(file)}
 
 
 def test_pages_report_and_export_tell_what_a_late_submission_costs(grades):
-    list(class_commands.report(grades))
+    list(classes.report(grades))
     ada = page_of(grades, "ada")
     assert "3 of 4 points" in ada and "The deadline was 2026-11-20 23:59+01:00." in ada
     assert "You handed in at 2026-11-21 13:00+01:00" in ada and "25 % of your points: 1 point." in ada
@@ -88,7 +88,7 @@ def test_work_that_fails_is_listed_and_all_other_work_is_done(
         return whole(*words)
 
     monkeypatch.setattr(owner, name, fails_for_ben)
-    monkeypatch.setattr(export_commands, "feedback_page", feedback.feedback_page)
+    monkeypatch.setattr(exporting, "feedback_page", feedback.feedback_page)
     sheet = tmp_path / "sheet.csv"
     sheet.write_text("Identifier,Full name,Grade,Maximum Grade\n", "utf-8")
     first, *more = command.split()
@@ -104,10 +104,10 @@ def test_work_that_fails_is_listed_and_all_other_work_is_done(
 
 
 def test_the_report_names_submissions_without_a_time_where_there_is_a_deadline(grades):
-    assert not [line for line in class_commands.report(grades) if "no time" in line]
+    assert not [line for line in classes.report(grades) if "no time" in line]
     with Journal(grades) as journal:
         journal.keep(result("fay", exercise(), lesson=LESSON))
-    (line,) = [line for line in class_commands.report(grades) if "no time" in line]
+    (line,) = [line for line in classes.report(grades) if "no time" in line]
     assert line.startswith(f"{LESSON} has a deadline, and 1 of 4 submissions has no time: fay.")
 
 
@@ -116,10 +116,10 @@ def test_an_extension_stands_on_the_page_and_a_misspelt_name_is_reported(course,
         file.write(
             f"[extensions]\nada.{LESSON} = 2026-11-25T12:00:00+01:00\nbenn.{LESSON} = 2026-11-25T12:00:00Z\n"
         )
-    said = list(class_commands.report(grades))
+    said = list(classes.report(grades))
     assert "course.toml: extensions: 'benn' has no result; is it 'ben'?" in said
     (worlds := tmp_path / "worlds.csv").write_text("student,world\nada,x\nbenn,y\n")
-    said = list(marking_commands.marks(grades, None, worlds=worlds))
+    said = list(marking.marks(grades, None, worlds=worlds))
     assert [line for line in said if "worlds" in line] == ["worlds.csv: 'benn' has no result; is it 'ben'?"]
     assert "Your deadline was extended to 2026-11-25 12:00+01:00." in page_of(grades, "ada")
     assert "4 of 4 points" in page_of(grades, "ada") and table_of(grades)["ada"][f"{LESSON} deducted"] == ""

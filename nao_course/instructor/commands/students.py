@@ -10,15 +10,15 @@ from pathlib import Path
 
 from nao_course._internal.counts import say_count
 from nao_course._internal.tables import TableError
-from nao_course.instructor import submission_times
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.collecting.names import safe_name
 from nao_course.instructor.collecting.roster import Roster, Student
 from nao_course.instructor.collecting.sheets import Sheet, read_sheet
-from nao_course.instructor.feedback_pages import folder_of, write_pages
+from nao_course.instructor.commands import submission_times
+from nao_course.instructor.commands.feedback_pages import folder_of, write_pages
+from nao_course.instructor.commands.looking_up import login
+from nao_course.instructor.commands.personal_numbers import read_worlds
 from nao_course.instructor.gradebook.journal import Journal
-from nao_course.instructor.looking_up import login
-from nao_course.instructor.personal_numbers import read_worlds
 from nao_course.instructor.reports.history import page_of
 from nao_course.instructor.reports.html import write_whole
 from nao_course.instructor.reports.spreadsheets import table

@@ -11,14 +11,14 @@ from rich.table import Table
 
 from nao_course._internal.counts import say_count
 from nao_course.homework import REQUEST
-from nao_course.instructor import submission_times
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.autograding.scratch import scratch_folder
 from nao_course.instructor.collecting.requests import AskedAbout, request_files, requests_in
-from nao_course.instructor.feedback_pages import write_pages
+from nao_course.instructor.commands import submission_times
+from nao_course.instructor.commands.feedback_pages import write_pages
+from nao_course.instructor.commands.looking_up import list_problems, login, results_of, without_result
 from nao_course.instructor.gradebook.journal import Journal
 from nao_course.instructor.gradebook.records import Request
-from nao_course.instructor.looking_up import list_problems, login, results_of, without_result
 from nao_course.instructor.reports import exports
 from nao_course.instructor.reports import status as status_report
 from nao_course.instructor.reports.class_report import write_report
