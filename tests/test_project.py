@@ -161,6 +161,12 @@ def tracked_files() -> list[str]:
     return [name for name in listed.stdout.split("\0") if (PROJECT / name).is_file()]
 
 
+def test_each_finding_is_named_where_the_course_meets_it():
+    pages = "".join(path.read_text(encoding="utf-8") for path in (PROJECT / "docs").glob("*.md"))
+    findings = list((PROJECT / "findings").glob("*.sh"))
+    assert findings and [path.name for path in findings if f"findings/{path.name}" not in pages] == []
+
+
 def test_no_tracked_file_names_a_package_index_or_a_path_of_one_machine():
     found = [text_offences(name, (PROJECT / name).read_bytes()) for name in tracked_files()]
     assert [offence for offences in found for offence in offences] == []
