@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import cleandoc
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,31 @@ class Mistake:
     message: str
 
 
+@register
+@dataclass(frozen=True)
+class Sibling:
+    """A short solved problem that needs an exercise's decisive idea, with other data and another formula.
+
+    Parameters
+    ----------
+    alike : str
+        What is alike in both problems, in one sentence.
+    code : str
+        Solution of the other problem in Python, which imports NumPy at most and prints its result.
+    output : str
+        The text that the code prints.
+    """
+
+    alike: str
+    code: str
+    output: str
+
+    @property
+    def blocks(self) -> tuple[str, str]:
+        """The code and its output without the declaration's indentation."""
+        return cleandoc(self.code), cleandoc(self.output)
+
+
 @dataclass(frozen=True)
 class Exercise:
     """An exercise of a lesson.
@@ -57,6 +83,8 @@ class Exercise:
         Comparison of the answers; see `nao_course.exercises.comparisons`.
     hints : (str, str)
         Hints, shown one after the other on demand.
+    sibling : Sibling, optional
+        A solved problem with the same idea, shown as the third hint.
     mistakes : sequence of Mistake
         At least three mistakes, unless the lesson waives rule 8; `nao-course build` warns if there are fewer.
     alternatives : mapping of str to callable
@@ -92,6 +120,7 @@ class Exercise:
     public: Callable[[], list[Case]]
     hidden: Callable[[np.random.Generator], list[Case]]
     hints: tuple[str, str]
+    sibling: Sibling | None = None
     mistakes: Sequence[Mistake] = ()
     alternatives: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     comparison: Comparison = field(default_factory=Close)
@@ -225,8 +254,8 @@ class MistakePair:
 class PublicExercise:
     """The public data of an exercise: public cases with expected answers, recognised mistakes, points, hints.
 
-    The number in the lesson is such as "1.3"; `comparison` says how answers are compared. `driver`, `seconds` and
-    `uses` are as in `Exercise`. `earlier` are calls of earlier lessons' functions that the reference
+    The number in the lesson is such as "1.3"; `comparison` says how answers are compared. `driver`, `seconds`,
+    `sibling` and `uses` are as in `Exercise`. `earlier` are calls of earlier lessons' functions that the reference
     makes in these cases, and `pairs` are recognised if no single mistake fits.
     """
 
@@ -243,6 +272,7 @@ class PublicExercise:
     earlier: Sequence[EarlierCall] = field(default_factory=list)
     uses: list[str] = field(default_factory=list)
     pairs: list[MistakePair] = field(default_factory=list)
+    sibling: Sibling | None = None
 
 
 @register
