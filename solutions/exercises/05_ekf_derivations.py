@@ -417,9 +417,9 @@ MOTION = Exercise(
 
 
         length, angle, h = 5.0, 0.6, 1e-6
-        c, s = np.cos(angle), np.sin(angle)
-        J = np.eye(2)  # floats: an array of integers would round down what is assigned
-        J[0], J[1] = (c, -length * s), (s, length * c)
+        ahead, up = np.cos(angle), np.sin(angle)
+        J = np.eye(2)  # floats: an array of integers would cut off the decimals
+        J[0], J[1] = (ahead, -length * up), (up, length * ahead)
         by_length = (hook(length + h, angle) - hook(length - h, angle)) / (2 * h)
         by_angle = (hook(length, angle + h) - hook(length, angle - h)) / (2 * h)
         print(J.round(3).tolist(), np.abs(J - np.stack([by_length, by_angle], axis=1)).max() < 1e-8)

@@ -391,19 +391,19 @@ ADD_RELATIVE_MEASUREMENT = Exercise(
         "It is landmark - pose = offset. A motion of `offset` from the pose would end at the landmark, so one call is enough.",
     ),
     sibling=Sibling(
-        "Two statements with other names may be the same equation, and then one function calls the other.",
+        "If two actions change the numbers in the same way, only with other names, one function calls the other: a customer who buys something sends money to a shop.",
         """
-        def area(width, height):
-            return width * height
+        def send(money, giver, receiver, amount):
+            return money | {giver: money[giver] - amount, receiver: money[receiver] + amount}
 
 
-        def distance(speed, hours):  # also a product of two numbers
-            return area(speed, hours)
+        def buy(money, customer, shop, price):
+            return send(money, customer, shop, price)
 
 
-        print(distance(80, 3))
+        print(buy({"Ann": 50, "baker": 10}, "Ann", "baker", 4))
         """,
-        "240",
+        "{'Ann': 46, 'baker': 14}",
     ),
     mistakes=[
         *_link_mistakes("offset", "pose", "landmark", written_out=True),

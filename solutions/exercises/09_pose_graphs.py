@@ -404,9 +404,9 @@ POSE_RESIDUAL = Exercise(
 
 
         def seen_from(origin, angle, point):
-            c, s = np.cos(angle), np.sin(angle)
             x, y = point - origin
-            return np.array([c * x + s * y, c * y - s * x])
+            axis = np.array([np.cos(angle), np.sin(angle)])  # the frame's x axis
+            return np.array([axis @ (x, y), axis @ (y, -x)])
 
 
         cup = np.array([1.0, 3.0])

@@ -486,12 +486,12 @@ JOINT_DISTANCE = Exercise(
 
         C = np.array([[4.0, 1.0, 0.5], [1.0, 9.0, 2.0], [0.5, 2.0, 1.0]])  # of three exams
         for grades in ([70, -1, 90], [-1, -1, -1]):  # -1: not taken
-            taken = [i for i, grade in enumerate(grades) if grade >= 0]
+            taken = np.flatnonzero(np.array(grades) >= 0)
             sigma = np.sqrt(C[np.ix_(taken, taken)].sum())
             print(f"{taken}: the sum has a standard deviation of {sigma:.2f}")
         """,
         """
-        [0, 2]: the sum has a standard deviation of 2.45
+        [0 2]: the sum has a standard deviation of 2.45
         []: the sum has a standard deviation of 0.00
         """,
     ),
