@@ -83,8 +83,6 @@ class Exercise:
         Comparison of the answers; see `nao_course.exercises.comparisons`.
     hints : (str, str)
         Hints, shown one after the other on demand.
-    sibling : Sibling, optional
-        A solved problem with the same idea, shown as the third hint.
     mistakes : sequence of Mistake
         At least three mistakes, unless the lesson waives rule 8; `nao-course build` warns if there are fewer.
     alternatives : mapping of str to callable
@@ -113,6 +111,8 @@ class Exercise:
         Weights of the parts of a class, such as {"move": 1, "estimate": 2}. The name of each case begins with its part,
         as in "move: a turn". A part earns its share of the points if all hidden cases of this part pass. Where empty,
         the points are earned only if all hidden cases pass.
+    sibling : Sibling, optional
+        A solved problem with the same idea, shown as the third hint.
     """
 
     name: str
@@ -120,7 +120,6 @@ class Exercise:
     public: Callable[[], list[Case]]
     hidden: Callable[[np.random.Generator], list[Case]]
     hints: tuple[str, str]
-    sibling: Sibling | None = None
     mistakes: Sequence[Mistake] = ()
     alternatives: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     comparison: Comparison = field(default_factory=Close)
@@ -132,6 +131,7 @@ class Exercise:
     seconds: float = SECONDS
     pairs: Callable[[], Iterable[tuple[int, int, Callable[..., Any]]]] = tuple
     parts: Mapping[str, float] = field(default_factory=dict)
+    sibling: Sibling | None = None
 
 
 @dataclass(frozen=True)
