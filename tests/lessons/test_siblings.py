@@ -55,7 +55,7 @@ def solutions():
 
 
 @each_sibling
-def test_a_sibling_is_short_needs_only_numpy_and_prints_what_is_shown(name, exercise):
+def test_rubric_9_a_sibling_is_short_needs_only_numpy_and_prints_what_is_shown(name, exercise):
     code, output = exercise.sibling.blocks
     assert len(lines(code)) <= LONGEST
     imported = [each for each in ast.walk(ast.parse(code)) if isinstance(each, ast.Import | ast.ImportFrom)]
@@ -64,7 +64,7 @@ def test_a_sibling_is_short_needs_only_numpy_and_prints_what_is_shown(name, exer
 
 
 @each_sibling
-def test_a_sibling_does_not_solve_the_exercise_and_shares_no_code_with_a_solution(name, exercise):
+def test_rubric_9_a_sibling_does_not_solve_the_exercise_and_shares_no_code_with_a_solution(name, exercise):
     code, _ = exercise.sibling.blocks
     long, pieces = solutions()
     assert not {*lines(code)} & long
