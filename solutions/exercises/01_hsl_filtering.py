@@ -233,7 +233,7 @@ AVERAGE_LIGHTNESS = Exercise(
         "lightness.ravel() has all pixels in one row. Draw n_samples of its elements and return their mean.",
     ),
     sibling=Sibling(
-        "A share of all cells of a table is estimated here from random cells, which are drawn from the table as one row.",
+        "A share of a table is estimated as your mean is: its cells stand in one row, and random ones are drawn from it.",
         """
         import numpy as np
 
@@ -330,7 +330,7 @@ WHITE_THRESHOLD = Exercise(
         "The threshold is beta plus a fraction of (max_lightness - beta). The fraction is the mean divided by the maximum.",
     ),
     sibling=Sibling(
-        "A value between two limits is the lower limit plus a fraction of the distance to the upper one.",
+        "A value between two limits is the lower limit plus a fraction of the distance to the upper one, here the speed of a fan.",
         """
         least, most = 800, 2400  # revolutions per minute of a fan
         for hot_hours in (0, 6, 24):
@@ -722,7 +722,7 @@ CALIBRATE_HUE = Exercise(
         "With the hues in ascending order, np.diff returns the gaps between neighbours; the gap after the last hue ends at hues[0] + 360. The arc begins where the widest gap ends. What is the index of that hue if the gap is the last one? Include epsilon only after you have found both ends.",
     ),
     sibling=Sibling(
-        "The minutes of an hour form a circle too, so there is one more gap, from the last element to the first one of the next turn.",
+        "The minutes of an hour form a circle as hues do, so there is one more gap, from the last element to the first one of the next turn.",
         """
         import numpy as np
 

@@ -146,7 +146,7 @@ POST_CANDIDATES = Exercise(
         "The pixels below the foot are labels[foot + 1 : foot + 1 + look_down, u]; the slice ends at the edge of the picture. For the height, count yellow pixels from the foot upwards until the first other one. There must be at least min_height * labels.shape[0] of them, including the foot.",
     ),
     sibling=Sibling(
-        "In each week the last rainy day is tested: the days after it are counted with a slice, which may end early, and the run of rainy days is counted backwards from it.",
+        "A week's last rainy day takes the place of a column's lowest yellow pixel: the days after it are counted with a slice, which may end early, and the run of rainy days is counted backwards from it.",
         """
         for week in ("srrrssr", "rsrrrss", "sssssss", "rrrsrrs"):  # s sunny, r rain
             last = week.rfind("r")
@@ -466,7 +466,7 @@ CLUSTER_POINTS = Exercise(
         "Give each point its own number. Then let each point take the smallest number among its neighbours, again and again, until nothing changes: np.where(near, numbers, len(points)).min(axis=1, initial=len(points)). Points with the same number are a cluster; average points[numbers == number].",
     ),
     sibling=Sibling(
-        "People who are connected over friends of friends are one group, which you find when everybody takes the smallest number among their friends until nothing changes.",
+        "Friends of friends are one group, as points that are connected by a chain are one cluster: everybody takes the smallest number among their friends until nothing changes.",
         """
         import numpy as np
 
@@ -867,7 +867,7 @@ FIND_GOALPOSTS = Exercise(
         "A picture of 480 rows has twice as many pixels below a foot, and one of 48 rows a fifth. Multiply values in pixels by labels.shape[0] / 240 and round them. min_height is a fraction already.",
     ),
     sibling=Sibling(
-        "Parameters that were chosen at one size are scaled to another: a number of frames grows with the frame rate, but a fraction of a film does not.",
+        "A length in frames grows with the frame rate as a length in pixels grows with the picture, but a fraction stays the same.",
         """
         for rate in (25, 30, 60):  # frames per second; the values were chosen at 25
             scale = rate / 25

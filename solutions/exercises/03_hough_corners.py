@@ -654,7 +654,7 @@ SEGMENT_INTERSECTION = Exercise(
         "The second segment is tested in the same way: s may be from -reach / length to 1 + reach / length, with the length of the second segment. Both conditions must hold.",
     ),
     sibling=Sibling(
-        "Two cars on one road meet where their positions are equal; a denominator of 0 means that they never meet, and the time must be within both journeys.",
+        "Two cars that drive towards each other are like two segments: if the denominator is too small, they do not meet, and the meeting must be within both journeys, each tested by itself.",
         """
         def meeting(start_a, speed_a, hours_a, start_b, speed_b, hours_b):
             closing = speed_a - speed_b
@@ -1406,7 +1406,7 @@ MERGE_EDGES = Exercise(
         "The centre line starts at min(0, smallest along) and ends at max(length, largest along). Add half of the average offset across, times the vector (-A_v, A_u), which is perpendicular to A. The sine of the angle is the difference of the two values across, divided by the length of the second segment.",
     ),
     sibling=Sibling(
-        "A position is described along and across a straight route: the dot product with the unit vector is along it, and the cross product, whose sign shows the side, is across it.",
+        "A ship is described along and across a straight route, as the ends of the second segment are along and across the first: by a dot product with the unit vector, and by a cross product, whose sign shows the side.",
         """
         import numpy as np
 

@@ -111,7 +111,7 @@ POSE = Exercise(
         "Return np.array([...]) with x plus distance times a cosine, y plus distance times a sine, and theta plus the turn. The angle in both is the old heading.",
     ),
     sibling=Sibling(
-        "All numbers of the new state are computed from the old one: a stone falls with the speed that it had, and then its speed changes.",
+        "All numbers of the new state are computed from the old one, as your position from the old heading: a stone falls with the speed that it had, and then its speed changes.",
         """
         import numpy as np
 
@@ -220,7 +220,7 @@ MEASUREMENT = Exercise(
         "np.arctan2 takes dy first. Subtract theta from its result and wrap the difference, not its two parts.",
     ),
     sibling=Sibling(
-        "A ship's officer gives the direction of a lighthouse relative to the bow: the direction on the map, minus the course, and the difference is wrapped.",
+        "A bearing on a ship is computed in the same steps: the direction on the map, minus the course, and then the difference is wrapped; only the zero is different, because a compass counts from north.",
         """
         import numpy as np
 
@@ -313,7 +313,7 @@ POSITION = Exercise(
         "The landmark is r away in the direction theta + beta. Use the cosine for x and the sine for y, and add the robot's position.",
     ),
     sibling=Sibling(
-        "The forearm's direction is the sum of two angles, because the elbow's angle is counted from the upper arm, and it begins where the upper arm ends.",
+        "A forearm's direction is the sum of two angles, as the landmark's is: the elbow's angle is counted from the upper arm, as a bearing is counted from the heading.",
         """
         import numpy as np
 
@@ -946,7 +946,7 @@ BY_POSE = Exercise(
         "The first row is divided by q and ends with -1. The second row is divided by the root of q and ends with 0.",
     ),
     sibling=Sibling(
-        "The loudness 1 / r of a loudspeaker depends on the listener through dx, dy and q, so these are computed first, and each derivative is a fraction with a power of q.",
+        "The loudness 1 / r of a loudspeaker depends on the position through dx, dy and q, as your measurement does, so these are computed first, and each derivative is a fraction with a power of q.",
         """
         import numpy as np
 
@@ -1024,7 +1024,7 @@ BY_LANDMARK = Exercise(
         "Property 1: when robot and landmark move together, the measurement does not change. So the derivatives with respect to the landmark's position and to the robot's position add up to zero. Which columns of which of your functions do you need?",
     ),
     sibling=Sibling(
-        "The force of a spring depends only on the difference of its two ends, so moving both changes nothing, and the derivatives with respect to them add up to zero.",
+        "The force of a spring depends only on the difference of its ends, as a measurement depends on the difference of landmark and robot: moving both changes nothing, so both derivatives add up to zero.",
         """
         import numpy as np
 

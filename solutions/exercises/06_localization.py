@@ -57,7 +57,7 @@ FUSE = Exercise(
         "weight = variance_a / (variance_a + variance_b). The mean moves this fraction of the way from a to b, and v(w) simplifies to (1 - weight) * variance_a.",
     ),
     sibling=Sibling(
-        "A quantity depends on how something is divided, w and 1 - w, and it is smallest where its derivative is zero: here the heat in two parallel wires.",
+        "The heat in two parallel wires depends on w and 1 - w as the variance of a weighted mean does, and it is smallest where its derivative is zero.",
         """
         one, two = 2.0, 6.0  # ohm; one carries the part w of the current, two the rest
 

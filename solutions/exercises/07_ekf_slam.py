@@ -463,7 +463,7 @@ PREDICT = Exercise(
         "The error of the pose becomes F e_p + G n, and the errors of the landmarks stay as they are. Multiply the one by the other and take the mean: this gives the block covariance[:3, 3:]. The block covariance[3:, :3] is its transpose.",
     ),
     sibling=Sibling(
-        "If one of two numbers is changed and the other is not, their covariance gets the factor once, and the variance of the changed number gets it twice.",
+        "If one of two numbers is changed, as the pose is, and the other is not, as the landmarks are, their covariance gets the factor once, and the variance of the changed number gets it twice.",
         """
         import numpy as np
 
@@ -946,7 +946,7 @@ UPDATE_LANDMARKS = Exercise(
         "Rows 2 j and 2 j + 1 of H: columns 0 to 2 are measurement_jacobian_pose, columns 3 + 2 i and 4 + 2 i are measurement_jacobian_landmark. Wrap innovation[::2] with warp2pi. S = H P Hᵀ + joint_noise(measurement_covariance, len(indices)).",
     ),
     sibling=Sibling(
-        "A measurement has a row j of its own, and its entries stand in the columns of the points that it is about, which come in any order: here differences of height between points.",
+        "Measurement j fills row j, and its entries stand in the columns of its points, which come in any order as your landmarks do: here differences of height are measured.",
         """
         import numpy as np
 

@@ -105,7 +105,7 @@ ADD_INITIAL_POSITION = Exercise(
         "Begin with omega.copy() and xi.copy(). Then add something to omega[index, index] and something to xi[index].",
     ),
     sibling=Sibling(
-        "A function adds to copies of its arguments, so that the old sums stay as they are: here a count and a sum for each of three persons.",
+        "A function adds to copies of its arguments, so that the old sums stay as they are: here a count and a sum for each of three people.",
         """
         import numpy as np
 

@@ -785,7 +785,7 @@ LINEARIZE = Exercise(
         "J.mT @ edges.information is Jᵀ Omega of all edges. Multiplied by J it gives the blocks, and graph.add_blocks adds these to a sparse matrix. For b, multiply by the residuals as columns, [:, :, None], and add with np.bincount over edges.places.",
     ),
     sibling=Sibling(
-        "Every spring has a small block and two forces, computed for all springs at once, and np.bincount adds the forces at the numbers of their ends.",
+        "A spring has a small block and a share for each of its ends, as an edge has: all are computed at once, and np.bincount adds the shares at the numbers of the ends.",
         """
         import numpy as np
 

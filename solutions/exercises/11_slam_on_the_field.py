@@ -480,7 +480,7 @@ JOINT_DISTANCE = Exercise(
         "First list the measurements that have a partner. Measurement i has the rows and columns 2 i and 2 i + 1 of measurement_covariance, and np.ix_ selects them. Without a pair all arrays are empty, so the sum is 0.",
     ),
     sibling=Sibling(
-        "Items without a value are left out first, and np.ix_ then selects the rows and columns of the others from the covariance of all.",
+        "Exams that were not taken are left out first, as measurements without a landmark are, and np.ix_ then selects the rows and columns of the others from the covariance of all.",
         """
         import numpy as np
 
@@ -702,7 +702,7 @@ ASSOCIATE = Exercise(
         "np.unravel_index(distances.argmin(), distances.shape) is the closest pair. Store it, set its row and column to np.inf, and repeat while the smallest distance is at most the gate.",
     ),
     sibling=Sibling(
-        "Pairs that do not fit are never compared, the closest pair is taken first, and each partner is used once: here taxis with enough seats, at most 10 minutes away.",
+        "Taxis get groups of people as measurements get landmarks: pairs that do not fit are never compared, the closest pair comes first, each partner is used once, and 10 minutes are the gate.",
         """
         import numpy as np
 
@@ -1069,7 +1069,7 @@ EKF_SLAM = Exercise(
         "A measurement is new if even associate(..., [that one], seen.part([i]).covariance, 3 * self.gate) returns -1; then call add_landmark with VAGUE times that covariance, and give it a number and a kind. In correct, the expected ranges are expected_measurement(...)[1] of the landmarks in self.indices, and seen.part(used).linearised_at(them) returns the arguments of update_landmarks.",
     ),
     sibling=Sibling(
-        "All decisions about one delivery are made with the list as it was before this delivery; with the growing list, the second of two new products would be mistaken for the first one.",
+        "New products are like new landmarks: all decisions about one delivery are made with the list as it was before this delivery, because with the growing list the second new product would be mistaken for the first one.",
         """
         known = [10.0, 20.0]
         for delivery in ([10.2, 30.1, 32.0], [31.9]):
@@ -1434,7 +1434,7 @@ GRAPH_SLAM = Exercise(
         "The landmark's place in the robot frame is landmark_position(np.zeros(3), (bearing, range)). With the measurement's Jacobian J from landmark_jacobians at the same pose, the edge's information is the inverse of J R Jᵀ. In H[3:, 3:] everything is three places earlier than in the states.",
     ),
     sibling=Sibling(
-        "A place that depends on a number which is still growing is computed at the end: each figure keeps its own number until all chapters are known.",
+        "A figure's place in a list depends on the number of chapters, as a landmark's place depends on the number of poses, so each figure keeps its own number until all chapters are known.",
         """
         chapters, links = ["Start"], []
         for title, figure in (("Camera", 0), ("Map", 1), ("End", 0)):

@@ -112,7 +112,7 @@ RESAMPLE = Exercise(
         "teeth = (np.arange(n) + rng.random()) / n. np.searchsorted finds the interval of each tooth. The last end can be slightly below 1 because of rounding, so divide all ends by it.",
     ),
     sibling=Sibling(
-        "Lengths become ends with np.cumsum, and np.searchsorted finds the interval in which a given place lies: here the song that is played at each quarter of an hour.",
+        "Songs fill a playlist as weights fill the interval from 0 to 1: np.cumsum returns their ends, and np.searchsorted finds the song that is played at a given time.",
         """
         import numpy as np
 
