@@ -24,7 +24,7 @@ from nao_course.exercises.comparisons import (
     over_log,
 )
 from nao_course.exercises.definitions import Definitions, load_definitions
-from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, Question, Sibling, Written
 from nao_course.exercises.judging import Report
 from nao_course.exercises.running import Outcome, call, register_driver
 from nao_course.exercises.trying import Message, try_out
@@ -54,6 +54,7 @@ __all__ = [
     "Question",
     "Report",
     "Sampled",
+    "Sibling",
     "Unordered",
     "Verdict",
     "Written",

@@ -11,8 +11,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager, nullcontext, redirect_stderr
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
+from html import escape
 from importlib import resources
 from itertools import count
+from textwrap import indent
 from types import CodeType
 from typing import Any
 
@@ -23,7 +25,7 @@ from nao_course.exercises import judging, running
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.comparisons.comparison import with_article
 from nao_course.exercises.earlier import Calls, CallsWhenNeeded, split_use, watching
-from nao_course.exercises.exercise import PublicExercise, PublicLesson
+from nao_course.exercises.exercise import PublicExercise, PublicLesson, Sibling
 from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.judging import AT_FAULT, Report, explain, with_the_reason
 from nao_course.exercises.lesson_names import number_of
@@ -174,10 +176,12 @@ class Hint(Message):
     """A hint that records whether it was shown, because a notebook shows only the last value of a cell.
 
     `number` counts from 0, and `missed` are earlier hints that were not shown, which are shown together with this hint.
+    A `sibling`'s code and output are shown below the text.
     """
 
     number: int = 0
     missed: tuple[Hint, ...] = ()
+    sibling: Sibling | None = None
 
     @property
     def shown(self) -> bool:
@@ -189,13 +193,21 @@ class Hint(Message):
             vars(each)["_seen"] = True
 
     def __repr__(self) -> str:
-        """Return the text alone, and mark the hint as shown."""
+        """Return the text, with the code and its output below it, and mark the hint as shown."""
         self._show()
-        return super().__repr__()
+        return "\n\n".join([super().__repr__(), *self._blocks()])
 
     def _repr_html_(self) -> str:
         self._show()
-        return super()._repr_html_()
+        below = (f'<pre style="margin: 0.3em 1em">{escape(each)}</pre>' for each in self._blocks())
+        return f"<div>{super()._repr_html_()}{''.join(below)}</div>"
+
+    def _blocks(self) -> Iterator[str]:
+        """Yield the sibling's code, and its output as comments so that both can be copied into a cell."""
+        if self.sibling:
+            code, output = self.sibling.blocks
+            yield code
+            yield indent(f"It prints:\n{output}", "# ")
 
 
 @dataclass
@@ -273,22 +285,26 @@ class Checks:
         ]
 
     def hint(self, name: str) -> Message:
-        """Return an exercise's first hint, and at the next call the second; a hint that was not shown is repeated."""
+        """Return an exercise's first hint, and the next one at each call; a hint that was not shown is repeated.
+
+        The third hint is a solved problem with the same idea, if the exercise has one.
+        """
         try:
-            hints = self.exercise(name).hints
+            exercise = self.exercise(name)
         except ValueError as error:
             return Message(str(error))
+        hints = [f": {each}" for each in exercise.hints]
+        if exercise.sibling:
+            hints.append(f", a solved problem: {exercise.sibling.alike}")
         given = self._hints_given.setdefault(name, [])
         number = min(len(given), len(hints) - 1)
         missed = tuple(each for each in given if each.number < number and not each.shown)
         said = [
-            f"Hint {each + 1} of {len(hints)}: {hints[each]}"
-            for each in (*(m.number for m in missed), number)
+            f"Hint {each + 1} of {len(hints)}{hints[each]}" for each in (*(m.number for m in missed), number)
         ]
-        more = (
-            "Call hint again for the next hint." if number + 1 < len(hints) else "There is no further hint."
-        )
-        given.append(Hint(" ".join([*said, more]), number, missed))
+        is_last = number + 1 == len(hints)
+        more = _LAST_HINT if is_last else "Call hint again for the next hint."
+        given.append(Hint(" ".join([*said, more]), number, missed, exercise.sibling if is_last else None))
         return given[-1]
 
     def question(self, name: str, answer: str | None = None) -> Any:
@@ -346,6 +362,12 @@ class Checks:
         needed, fail = _listed(wrong, "does not pass", "do not pass")
         why = f"Correct your code and run this cell again. The error was: {shown.text}"
         return Message(f"This figure needs your {needed}, which {fail} the public checks. {why}")
+
+
+_LAST_HINT = (
+    "This is the last hint. If it is not enough, read the text above the exercise once more, or ask your teacher or a "
+    "classmate."
+)
 
 
 def _listed(numbers: Sequence[str], one: str, several: str) -> tuple[str, str]:

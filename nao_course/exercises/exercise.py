@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import cleandoc
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,31 @@ class Mistake:
     name: str
     function: Callable[..., Any]
     message: str
+
+
+@register
+@dataclass(frozen=True)
+class Sibling:
+    """A short solved problem that needs an exercise's decisive idea, with other data and another formula.
+
+    Parameters
+    ----------
+    alike : str
+        What is alike in both problems, in one sentence.
+    code : str
+        Solution of the other problem in Python, which imports NumPy at most and prints its result.
+    output : str
+        The text that the code prints.
+    """
+
+    alike: str
+    code: str
+    output: str
+
+    @property
+    def blocks(self) -> tuple[str, str]:
+        """The code and its output without the declaration's indentation."""
+        return cleandoc(self.code), cleandoc(self.output)
 
 
 @dataclass(frozen=True)
@@ -85,6 +111,8 @@ class Exercise:
         Weights of the parts of a class, such as {"move": 1, "estimate": 2}. The name of each case begins with its part,
         as in "move: a turn". A part earns its share of the points if all hidden cases of this part pass. Where empty,
         the points are earned only if all hidden cases pass.
+    sibling : Sibling, optional
+        A solved problem with the same idea, shown as the third hint.
     """
 
     name: str
@@ -103,6 +131,7 @@ class Exercise:
     seconds: float = SECONDS
     pairs: Callable[[], Iterable[tuple[int, int, Callable[..., Any]]]] = tuple
     parts: Mapping[str, float] = field(default_factory=dict)
+    sibling: Sibling | None = None
 
 
 @dataclass(frozen=True)
@@ -225,8 +254,8 @@ class MistakePair:
 class PublicExercise:
     """The public data of an exercise: public cases with expected answers, recognised mistakes, points, hints.
 
-    The number in the lesson is such as "1.3"; `comparison` says how answers are compared. `driver`, `seconds` and
-    `uses` are as in `Exercise`. `earlier` are calls of earlier lessons' functions that the reference
+    The number in the lesson is such as "1.3"; `comparison` says how answers are compared. `driver`, `seconds`,
+    `sibling` and `uses` are as in `Exercise`. `earlier` are calls of earlier lessons' functions that the reference
     makes in these cases, and `pairs` are recognised if no single mistake fits.
     """
 
@@ -243,6 +272,7 @@ class PublicExercise:
     earlier: Sequence[EarlierCall] = field(default_factory=list)
     uses: list[str] = field(default_factory=list)
     pairs: list[MistakePair] = field(default_factory=list)
+    sibling: Sibling | None = None
 
 
 @register

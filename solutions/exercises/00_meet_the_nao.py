@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from nao_course.exercises import Case, Exercise, LessonPlan
+from nao_course.exercises import Case, Exercise, LessonPlan, Sibling
 from nao_course.instructor.authoring.mistakes import catalogue
 
 # --- 0.1 to_radians ---
@@ -25,6 +25,18 @@ TO_RADIANS = Exercise(
     hints=(
         "A full turn is 360 degrees or 2 pi radians. How many radians is one degree?",
         "Multiply by pi and divide by 180; `np.pi` is pi.",
+    ),
+    sibling=Sibling(
+        "If you know how much one unit is, you multiply by it: here a clock's hand turns 360 degrees in 60 minutes.",
+        """
+        degrees_of_one_minute = 360 / 60
+        for minutes in (15, 25):
+            print(f"{minutes} minutes are {minutes * degrees_of_one_minute:g} degrees")
+        """,
+        """
+        15 minutes are 90 degrees
+        25 minutes are 150 degrees
+        """,
     ),
     mistakes=catalogue("""
         inverted fraction: np.pi / 180.0 => 180.0 / np.pi

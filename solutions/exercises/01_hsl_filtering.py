@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Question, Sampled, Written
+from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Question, Sampled, Sibling, Written
 from nao_course.instructor.authoring.mistakes import catalogue
 
 Array = npt.NDArray[Any]
@@ -66,6 +66,21 @@ RGB_TO_HSL = Exercise(
     hints=(
         "The first line of equation 1.3 applies where largest == red. Write its fraction with divisor as the denominator, and select it there with np.where; elsewhere keep the given sixths. Each sixth of the circle is 60 degrees.",
         "The hue is np.where(largest == red, ..., sixths), times 60, modulo 360. The denominator of equation 1.2 is 0 for black and white, so replace it by 1 there: np.where(grey, 1.0, ...), as in divisor.",
+    ),
+    sibling=Sibling(
+        "A divisor of 0 is replaced before the division, and a second np.where changes only the elements that its condition selects.",
+        """
+        import numpy as np
+
+        metres = np.array([30.0, 0.0, 90.0, 8.0])
+        seconds = np.array([10.0, 0.0, 15.0, 8.0])
+        is_empty = seconds == 0
+        speed = metres / np.where(is_empty, 1.0, seconds)
+        fine = np.where(speed > 2, 20, 0)
+        fine = np.where(speed > 5, 80, fine)
+        print(speed, fine)
+        """,
+        "[3. 0. 6. 1.] [20  0 80  0]",
     ),
     mistakes=catalogue("""
         one minus forgotten: np.where(grey, 1.0, 1 - np.abs => np.where(grey, 1.0, np.abs
@@ -217,6 +232,19 @@ AVERAGE_LIGHTNESS = Exercise(
         "Use the generator: rng.integers(0, n, size=k) returns k integers from 0 to n - 1, and rng.choice(values, k) returns k of the values.",
         "lightness.ravel() has all pixels in one row. Draw n_samples of its elements and return their mean.",
     ),
+    sibling=Sibling(
+        "A share of a table is estimated as your mean is: its cells stand in one row, and random ones are drawn from it.",
+        """
+        import numpy as np
+
+        rng = np.random.default_rng(1)
+        depth = np.tile([0.0, 0.0, 0.3, 1.2], (50, 10))  # water in a field, half of it dry
+        cells = depth.flatten()
+        drawn = cells[rng.integers(len(cells), size=2000)]
+        print(f"about {np.mean(drawn == 0):.1f} of the field is dry")
+        """,
+        "about 0.5 of the field is dry",
+    ),
     mistakes=catalogue("""
         all pixels: .ravel()[chosen] =>
             You return the mean of all pixels. The paper uses a random sample of n_samples pixels.
@@ -301,6 +329,20 @@ WHITE_THRESHOLD = Exercise(
         "It is one line: equation 1.4 with mean_lightness as L_avg and max_lightness as L_max.",
         "The threshold is beta plus a fraction of (max_lightness - beta). The fraction is the mean divided by the maximum.",
     ),
+    sibling=Sibling(
+        "A value between two limits is the lower limit plus a fraction of the distance to the upper one, here the speed of a fan.",
+        """
+        least, most = 800, 2400  # revolutions per minute of a fan
+        for hot_hours in (0, 6, 24):
+            fraction = hot_hours / 24
+            print(f"{hot_hours} hot hours: {least + fraction * (most - least):g} per minute")
+        """,
+        """
+        0 hot hours: 800 per minute
+        6 hot hours: 1200 per minute
+        24 hot hours: 2400 per minute
+        """,
+    ),
     mistakes=catalogue("""
         beta not added: return beta + => return
             For a black picture the threshold is beta, but you return 0. Add beta.
@@ -383,6 +425,22 @@ HUE_MASK = Exercise(
     hints=(
         "Join two comparisons with &, each in brackets: (hue >= ...) & (hue <= ...). Both limits are included.",
         "If low is larger than high, the interval goes through 0. Then a hue is inside if it is above low *or* below high.",
+    ),
+    sibling=Sibling(
+        'The hours of a day form a circle as hues do, so a night shift, which goes through 0, needs "or" where a day shift needs "and".',
+        """
+        import numpy as np
+
+        hour = np.array([2, 7, 12, 21, 23])
+        day = (hour >= 6) & (hour < 14)
+        night = (hour >= 22) | (hour < 6)  # no hour is both above 22 and below 6
+        print(day)
+        print(night)
+        """,
+        """
+        [False  True  True False False]
+        [ True False False False  True]
+        """,
     ),
     mistakes=catalogue("""
         no wrap: if low <= high else above | below =>
@@ -492,6 +550,24 @@ COLOR_LABELS = Exercise(
     hints=(
         "Start with np.zeros of the picture's height and width, dtype uint8, and write the labels into it: labels[mask] = 1. Later assignments replace earlier ones.",
         "With rgb_to_hsl and hue_mask you get three masks: green hue and enough saturation, yellow hue and enough saturation, lightness above the threshold. White needs no minimum saturation.",
+    ),
+    sibling=Sibling(
+        "Labels are written into an array of zeros with one mask after another, so the last mask takes precedence, and a mask contains only the conditions that it needs.",
+        """
+        import numpy as np
+
+        celsius = np.array([[-5, 3, 25], [31, 12, -2]])
+        is_dry = np.array([[False, True, True], [False, True, True]])
+        codes = np.zeros((2, 3), dtype=np.uint8)
+        codes[(celsius < 10) & is_dry] = 1  # cold and dry
+        codes[(celsius > 20) & is_dry] = 2  # warm and dry
+        codes[celsius < 0] = 3  # frost, dry or not
+        print(codes)
+        """,
+        """
+        [[3 1 2]
+         [0 0 3]]
+        """,
     ),
     mistakes=catalogue("""
         three numbers for each pixel: picture.shape[:2] => picture.shape
@@ -644,6 +720,24 @@ CALIBRATE_HUE = Exercise(
     hints=(
         "Go once around the circle from each hue to the next one, and from the last to the first. An arc that contains all hues leaves out exactly one of these gaps. Which one should it be? (np.unique sorts and removes duplicates.)",
         "With the hues in ascending order, np.diff returns the gaps between neighbours; the gap after the last hue ends at hues[0] + 360. The arc begins where the widest gap ends. What is the index of that hue if the gap is the last one? Include epsilon only after you have found both ends.",
+    ),
+    sibling=Sibling(
+        "The minutes of an hour form a circle as hues do, so there is one more gap, from the last element to the first one of the next turn.",
+        """
+        import numpy as np
+
+        leaves = np.array([5, 12, 31, 44])  # a bus leaves at these minutes of every hour
+        waits = np.roll(leaves, -1) - leaves
+        waits[-1] += 60  # from 44 to 5 of the next hour
+        longest = np.argmax(waits)
+        begins, ends = leaves[longest], leaves[(longest + 1) % len(leaves)]
+        print(f"waits: {waits}")
+        print(f"the longest wait begins at {begins} and ends at {ends}")
+        """,
+        """
+        waits: [ 7 19 13 21]
+        the longest wait begins at 44 and ends at 5
+        """,
     ),
     mistakes=catalogue("""
         epsilon inwards: + epsilon = -epsilon

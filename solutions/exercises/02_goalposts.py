@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.cluster.hierarchy import fcluster, linkage
 
-from nao_course.exercises import Case, Exercise, LessonPlan, Points, Question, Written
+from nao_course.exercises import Case, Exercise, LessonPlan, Points, Question, Sibling, Written
 from nao_course.instructor.authoring.mistakes import catalogue
 
 Array = npt.NDArray[Any]
@@ -144,6 +144,25 @@ POST_CANDIDATES = Exercise(
     hints=(
         "Write it for one column first. np.flatnonzero(labels[:, u] == 2) returns its yellow rows, and the last one is the foot, because rows count downwards. Then write the two tests with slices of that column, and a loop over the columns around them.",
         "The pixels below the foot are labels[foot + 1 : foot + 1 + look_down, u]; the slice ends at the edge of the picture. For the height, count yellow pixels from the foot upwards until the first other one. There must be at least min_height * labels.shape[0] of them, including the foot.",
+    ),
+    sibling=Sibling(
+        "A week's last rainy day takes the place of a column's lowest yellow pixel: the days after it are counted with a slice, which may end early, and the run of rainy days is counted backwards from it.",
+        """
+        for week in ("srrrssr", "rsrrrss", "sssssss", "rrrsrrs"):  # s sunny, r rain
+            last = week.rfind("r")
+            if last < 0:
+                continue  # no rain in this week, but the next week is tested
+            sunny = week[last + 1 : last + 3].count("s")
+            run = 0
+            while run <= last and week[last - run] == "r":  # without run <= last it would go on at the end
+                run += 1
+            print(f"{week}: last rain on day {last}, {sunny} sunny days after it, {run} rainy days in a row")
+        """,
+        """
+        srrrssr: last rain on day 6, 0 sunny days after it, 1 rainy days in a row
+        rsrrrss: last rain on day 4, 2 sunny days after it, 3 rainy days in a row
+        rrrsrrs: last rain on day 5, 1 sunny days after it, 2 rainy days in a row
+        """,
     ),
     mistakes=catalogue("""
         nothing found: + return np.zeros((0, 2))
@@ -445,6 +464,26 @@ CLUSTER_POINTS = Exercise(
     hints=(
         "points[:, None] - points has all differences, shape (N, N, 2), and np.linalg.norm(..., axis=2) their lengths. One comparison then shows which points are neighbours. A cluster contains all points that are connected over neighbours, also over several of them.",
         "Give each point its own number. Then let each point take the smallest number among its neighbours, again and again, until nothing changes: np.where(near, numbers, len(points)).min(axis=1, initial=len(points)). Points with the same number are a cluster; average points[numbers == number].",
+    ),
+    sibling=Sibling(
+        "Friends of friends are one group, as points that are connected by a chain are one cluster: everybody takes the smallest number among their friends until nothing changes.",
+        """
+        import numpy as np
+
+        friends = [(4, 5), (1, 4), (0, 2)]
+        ages = np.array([20, 30, 24, 50, 36, 42])
+        group, old = np.arange(6), None
+        while not np.array_equal(group, old):
+            old = group.copy()
+            for a, b in friends:
+                group[[a, b]] = min(group[a], group[b])
+        print(group)
+        print([float(ages[group == number].mean()) for number in np.unique(group)])
+        """,
+        """
+        [0 1 0 3 1 1]
+        [22.0, 36.0, 50.0]
+        """,
     ),
     mistakes=catalogue("""
         near the first point only: while not np.array_equal(names, before): => for i, row in enumerate(near):
@@ -826,6 +865,20 @@ FIND_GOALPOSTS = Exercise(
     hints=(
         "First find candidates and then cluster them, with your two functions and your own parameters. Begin with values for pictures of 240 rows, from the panel above or by measuring.",
         "A picture of 480 rows has twice as many pixels below a foot, and one of 48 rows a fifth. Multiply values in pixels by labels.shape[0] / 240 and round them. min_height is a fraction already.",
+    ),
+    sibling=Sibling(
+        "A length in frames grows with the frame rate as a length in pixels grows with the picture, but a fraction stays the same.",
+        """
+        for rate in (25, 30, 60):  # frames per second; the values were chosen at 25
+            scale = rate / 25
+            shortest, pause = round(5 * scale), round(40 * scale)
+            print(f"{rate}: a clap has {shortest} frames or more, a pause {pause}; a third of all is silent")
+        """,
+        """
+        25: a clap has 5 frames or more, a pause 40; a third of all is silent
+        30: a clap has 6 frames or more, a pause 48; a third of all is silent
+        60: a clap has 12 frames or more, a pause 96; a third of all is silent
+        """,
     ),
     mistakes=catalogue("""
         values for 240 rows: len(labels) / 240 => 1

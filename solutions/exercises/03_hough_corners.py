@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from nao_course.exercises import Case, Exact, Exercise, LessonPlan, Points, Question, Written
+from nao_course.exercises import Case, Exact, Exercise, LessonPlan, Points, Question, Sibling, Written
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.hough_corners.segments import BytePicture, Crossing, Segments
 
@@ -73,6 +73,20 @@ LINE_PICTURE = Exercise(
     hints=(
         "labels == 3 is True where a pixel is white. How do you turn True into 255 and False into 0?",
         "np.where(condition, a, b) takes a where the condition holds and b elsewhere. Its result is int64 here, so convert it with .astype(np.uint8).",
+    ),
+    sibling=Sibling(
+        "One of two numbers is chosen for each element, and the result gets the type that the next function needs.",
+        """
+        import numpy as np
+
+        ages = np.array([[3, 40], [17, 5]])
+        price = np.where(ages < 6, 0, 12).astype(np.int16)
+        print(price, price.dtype)
+        """,
+        """
+        [[ 0 12]
+         [12  0]] int16
+        """,
     ),
     mistakes=catalogue("""
         true and false: np.where(labels == 3, 255, 0).astype(np.uint8) => labels == 3
@@ -167,6 +181,20 @@ ERASE_BACKGROUND = Exercise(
     hints=(
         "Go down one column and count its green pixels. Start the count again at any other pixel, and stop when it is `run`: which row is the first of this run? Everything above it must be 0.",
         "Without a loop over columns: let green be labels == 1. green[i:] is the picture moved up by i rows. A run of 3 begins where green, green moved up by 1 and green moved up by 2 are all True. Pad the bottom with rows of False, np.pad(green, ((0, run - 1), (0, 0))), so that all shifted copies have H rows. np.logical_or.accumulate(begins, axis=0) is True from the first True of each column downwards.",
+    ),
+    sibling=Sibling(
+        "A run of equal elements is found by comparing the array with shifted copies of itself, and everything from its first element on is kept.",
+        """
+        import numpy as np
+
+        celsius = np.array([31, 22, 33, 35, 31, 36, 24, 32])
+        hot = celsius > 30
+        wave = hot[:-2] & hot[1:-1] & hot[2:]  # three hot days, beginning here
+        wave = np.append(wave, [False, False])  # as long as before
+        begun = np.logical_or.accumulate(wave)
+        print(np.where(begun, celsius, -1))
+        """,
+        "[-1 -1 33 35 31 36 24 32]",
     ),
     mistakes=catalogue("""
         seven in total: np.logical_and.reduce([green[i : i + height] for i in range(run)]) => np.cumsum(green, axis=0)[run - 1 : run - 1 + height] >= run
@@ -384,6 +412,26 @@ HOUGH_SEGMENTS = Exercise(
     hints=(
         "You need two calls of OpenCV, with the numbers in the docstring. Pass minLineLength and maxLineGap by name, because the fifth positional argument is another one. Print the result before you return it.",
         "cv2.HoughLinesP(edges, 1, np.pi / 180, 20, minLineLength=..., maxLineGap=...) returns None if it finds no line. Return np.zeros((0, 4)) then. Otherwise found.reshape(-1, 4) has the right shape in every version of OpenCV.",
+    ),
+    sibling=Sibling(
+        "A library's function that finds nothing returns None, and your function returns an empty array with the usual number of columns in its place.",
+        """
+        import numpy as np
+
+        timetable = {"bus 5": [8, 15, 9, 45]}  # hour, minute, hour, minute
+
+
+        def departures(line):
+            found = timetable.get(line)
+            return np.empty((0, 2)) if found is None else np.reshape(found, (-1, 2))
+
+
+        print(departures("bus 5"), departures("bus 6").shape)
+        """,
+        """
+        [[ 8 15]
+         [ 9 45]] (0, 2)
+        """,
     ),
     mistakes=catalogue("""
         no Canny: cv2.Canny(picture, 50, 150) => picture
@@ -605,6 +653,23 @@ SEGMENT_INTERSECTION = Exercise(
         "Equation 3.3 gives t, the parameter along the first segment. The second segment has its own parameter s, with the same denominator. Compute the denominator first: its size is the product of both lengths and the sine of the angle between the segments, so it shows whether they are parallel.",
         "The second segment is tested in the same way: s may be from -reach / length to 1 + reach / length, with the length of the second segment. Both conditions must hold.",
     ),
+    sibling=Sibling(
+        "Two cars that drive towards each other are like two segments: if the denominator is too small, they do not meet, and the meeting must be within both journeys, each tested by itself.",
+        """
+        def meeting(start_a, speed_a, hours_a, start_b, speed_b, hours_b):
+            closing = speed_a - speed_b
+            if abs(closing) < 1:  # km/h: nearly the same speed, so the quotient would be useless
+                return None
+            t = (start_b - start_a) / closing
+            if not (0 <= t <= hours_a and 0 <= t <= hours_b):  # one of them has already stopped
+                return None
+            return start_a + speed_a * t
+
+
+        print(meeting(0, 80, 3, 120, -40, 2), meeting(0, 80, 3, 120, -40, 0.5), meeting(0, 80, 3, 9, 80, 3))
+        """,
+        "80.0 None None",
+    ),
     mistakes=catalogue("""
         unbounded lines: if on_both else None =>
             You intersect infinite lines. A crossing counts only if it is on both segments, or at most reach pixels beyond an end.
@@ -819,6 +884,19 @@ REMOVE_DUPLICATES = Exercise(
     hints=(
         "Start with an empty list of kept points and go through the points in their order. When do you add a point to the list?",
         "Add a point if np.hypot(*(point - other)) > radius for every other point in the list of kept ones; ignore earlier points that were deleted. At the end, return np.array(kept).reshape(-1, 2).",
+    ),
+    sibling=Sibling(
+        "Each element is compared only with the elements that were kept, so an element that was deleted deletes nothing.",
+        """
+        import numpy as np
+
+        kept = []
+        for number in (6, 10, 35, 21, 11):
+            if all(np.gcd(number, other) == 1 for other in kept):  # no common divisor
+                kept.append(number)
+        print(kept)  # 10 is deleted because of 6, so it does not delete 35
+        """,
+        "[6, 35, 11]",
     ),
     mistakes=catalogue("""
         averaged: np.array(kept) => np.array([points[np.linalg.norm(points - each, axis=1) <= radius].mean(axis=0) for each in kept])
@@ -1061,6 +1139,26 @@ FIND_CORNERS = Exercise(
     hints=(
         "Use your five functions in the order of the lesson: erase the background, make the line picture, find segments, intersect every pair of segments, remove duplicates. Two nested loops, or itertools.combinations(segments, 2), give the pairs in the order that is asked for.",
         "segment_intersection returns None for most pairs: keep only the other results. Remove crossings outside the picture next, then the duplicates. If there are no crossings, np.array([]) needs .reshape(-1, 2).",
+    ),
+    sibling=Sibling(
+        "All pairs are tested, most of them give None, and the array has two columns even if nothing is left.",
+        """
+        import numpy as np
+
+
+        def overlap(a, b):
+            low, high = max(a[0], b[0]), min(a[1], b[1])
+            return (low, high) if low < high else None
+
+
+        for bookings in ([(8, 10), (9, 12), (11, 13)], [(8, 9), (10, 11)]):
+            pairs = [overlap(a, b) for i, a in enumerate(bookings) for b in bookings[i + 1 :]]
+            print(np.array([pair for pair in pairs if pair]).reshape(-1, 2).tolist())
+        """,
+        """
+        [[9, 10], [11, 12]]
+        []
+        """,
     ),
     mistakes=catalogue("""
         background kept: erase_background(labels) => labels
@@ -1306,6 +1404,24 @@ MERGE_EDGES = Exercise(
     hints=(
         "Use coordinates along and across the first segment. With the vectors A and B of the exercise, an end of the second segment is at A . B along the first and at A x B across it. Both segments then become intervals, and the average of the second one's two values across says how far away it is.",
         "The centre line starts at min(0, smallest along) and ends at max(length, largest along). Add half of the average offset across, times the vector (-A_v, A_u), which is perpendicular to A. The sine of the angle is the difference of the two values across, divided by the length of the second segment.",
+    ),
+    sibling=Sibling(
+        "A ship is described along and across a straight route, as the ends of the second segment are along and across the first: by a dot product with the unit vector, and by a cross product, whose sign shows the side.",
+        """
+        import numpy as np
+
+        harbour, island = np.array([1.0, 2.0]), np.array([4.0, 6.0])
+        unit = (island - harbour) / np.linalg.norm(island - harbour)
+        for ship in ([4.0, 5.0], [0.0, 7.0]):
+            offset = ship - harbour
+            along, across = unit @ offset, unit[0] * offset[1] - unit[1] * offset[0]
+            nearest = harbour + along * unit
+            print(f"{along:.1f} km along, {across:.1f} km across, nearest point {nearest.round(1)}")
+        """,
+        """
+        4.2 km along, -0.6 km across, nearest point [3.5 5.4]
+        3.4 km along, 3.8 km across, nearest point [3.  4.7]
+        """,
     ),
     mistakes=catalogue("""
         single edges kept: np.array(merged) => np.array([*segments, *merged])

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import minimize_scalar
 
-from nao_course.exercises import All, Case, Close, Exercise, LessonPlan, Property, Question, Written
+from nao_course.exercises import All, Case, Close, Exercise, LessonPlan, Property, Question, Sibling, Written
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.distance.calibration import small_angle
 from nao_course.sim import NAO_V4, CameraView
@@ -95,6 +95,21 @@ MEASUREMENT = Exercise(
     hints=(
         "points[:, 0] is x (ahead) and points[:, 1] is y (to the left). np.arctan2 and np.hypot accept whole columns.",
         "np.arctan2 takes y first. np.column_stack puts two columns side by side.",
+    ),
+    sibling=Sibling(
+        "Two columns become an angle and a length; the second argument of np.arctan2 is the axis at which the angle is 0, here north, because a compass counts from there.",
+        """
+        import numpy as np
+
+        wind = np.array([[3.0, 4.0], [0.0, -2.0], [-1.0, 0.0]])  # east and north, m/s
+        east, north = wind.T
+        print(np.stack([np.degrees(np.arctan2(east, north)), np.hypot(east, north)], axis=1).round(1))
+        """,
+        """
+        [[ 36.9   5. ]
+         [180.    2. ]
+         [-90.    1. ]]
+        """,
     ),
     mistakes=catalogue("""
         range first: ])]) => ])])[:, ::-1]
@@ -200,6 +215,19 @@ DISTANCE = Exercise(
         "Write equation 4.1 in parts, each with its own name: x and y, the two angles, the distance. Start with columns, rows = view.size; view.height is something else, the height of the camera in metres.",
         "The camera's angle from straight down is np.pi / 2 - view.pitch. The paper's y counts from the lower edge of the picture: y = n_v - 1 / 2 - v, with the number of rows n_v and v = pixels[:, 1].",
     ),
+    sibling=Sibling(
+        "Rows are counted from the top, but the scale begins at the lower edge, and a pixel shows the value at its middle, half a row from its edge.",
+        """
+        import numpy as np
+
+        rows, lowest, highest = 50, -10.0, 40.0  # a picture of a thermometer's scale
+        step = (highest - lowest) / rows  # degrees of one row
+        v = np.array([0, 24, 49])
+        from_below = rows - v - 0.5
+        print(lowest + step * from_below)
+        """,
+        "[39.5 15.5 -9.5]",
+    ),
     mistakes=catalogue("""
         horizon for nadir: np.pi / 2 - view.pitch => view.pitch
             You use view.pitch as the paper's camera angle. The pitch is measured from the horizon, but the paper's angle from straight down: np.pi / 2 - view.pitch.
@@ -280,6 +308,17 @@ BEARING = Exercise(
     hints=(
         "It is the paper's horizontal angle with one change: bearings in this course are positive to the left.",
         "u increases to the right, so a pixel left of the middle has a negative offset and a positive bearing.",
+    ),
+    sibling=Sibling(
+        "Positions are counted from one edge, and their offsets from the middle are needed, positive in the opposite direction.",
+        """
+        import numpy as np
+
+        shelf = np.arange(6)  # counted downwards from 0
+        middle = (6 - 1) / 2  # between shelf 2 and shelf 3
+        print((middle - shelf) * 0.3)  # metres above the middle
+        """,
+        "[ 0.75  0.45  0.15 -0.15 -0.45 -0.75]",
     ),
     mistakes=catalogue("""
         positive to the right: return (width => return -(width
@@ -403,6 +442,23 @@ GROUND = Exercise(
         "There are three steps, each for all pixels at once: seen = view.undistort(pixels); the rays (1, -(u - cu) / fu, -(v - cv) / fv) as an array (N, 3); the rays in the robot frame, rays @ view.rotation.T.",
         "A ray (x, y, z) goes down if z < 0, and it reaches the ground at t = view.height / -z. Replace z by NaN where it is not negative before you divide, and then add view.offset.",
     ),
+    sibling=Sibling(
+        "Each ray is multiplied by the factor that brings it to a plane, here a wall at x = 4, and a ray that never gets there becomes NaN before the division.",
+        """
+        import numpy as np
+
+        lamp = np.array([1.0, 0.0, 2.0])
+        rays = np.array([[1.0, 0.5, -0.2], [-1.0, 0.3, 0.0], [2.0, 0.0, 1.0]])
+        towards = np.where(rays[:, 0] > 0, rays[:, 0], np.nan)
+        factor = (4 - lamp[0]) / towards
+        print(lamp + factor[:, None] * rays)
+        """,
+        """
+        [[4.  1.5 1.4]
+         [nan nan nan]
+         [4.  0.  3.5]]
+        """,
+    ),
     mistakes=catalogue("""
         the head's yaw forgotten: + view = replace(view, yaw=0.0)
             You do not use the camera's yaw, so your points are wrong if the head is turned. view.rotation contains all three angles.
@@ -493,6 +549,17 @@ SIGMA = Exercise(
     hints=(
         "The derivative of 1 / tan(x) is -1 / sin(x) ** 2. Use its absolute value, because a standard deviation has no sign.",
         "Eliminate the angle: in the right triangle of the camera, the point below it and the landmark, its sine is the height divided by the length of the line of sight. Check the example of the docstring on paper.",
+    ),
+    sibling=Sibling(
+        "A standard deviation is multiplied by the size of a derivative, and the measured quantity, here the time, is eliminated with the formula itself.",
+        """
+        metres, speed, time_sigma = 100.0, 8.0, 0.1  # speed = metres / time, the time is measured
+        time = metres / speed
+        by_difference = (metres / (time - 1e-4) - metres / (time + 1e-4)) / 2e-4
+        by_formula = speed**2 / metres  # metres / time**2, with time = metres / speed
+        print(f"{by_difference * time_sigma:.4f} and {by_formula * time_sigma:.4f} m/s")
+        """,
+        "0.0640 and 0.0640 m/s",
     ),
     mistakes=catalogue("""
         r squared not divided: (height**2 + range_m**2) / height => (height + range_m**2)
@@ -598,6 +665,29 @@ COVARIANCE = Exercise(
     hints=(
         "Compute derivatives as differences: (measured((0.01, 0), 0) - measured((-0.01, 0), 0)) / 0.02 is the derivative with respect to u, for all landmarks at once.",
         "g is the same with a tilt instead of a shift, and np.outer(g, g) is g gᵀ. For D, put the derivatives by u and by v into two columns, (2k, 2). Rows 2i and 2i + 1 are the Jacobian J of landmark i, and its block is pixel_sigma ** 2 * J @ J.T.",
+    ),
+    sibling=Sibling(
+        "Two volumes are measured with the same ruler: its wrong scale changes both together (an outer product), each reading changes only one (the diagonal), and the derivatives are differences.",
+        """
+        import numpy as np
+
+        edges, reading_sigma, scale_sigma = np.array([0.2, 0.5]), 0.001, 0.01
+
+
+        def volumes(scale, shift):
+            return (scale * edges + shift) ** 3
+
+
+        by_scale = (volumes(1.001, 0) - volumes(0.999, 0)) / 0.002
+        by_reading = (volumes(1, 1e-5) - volumes(1, -1e-5)) / 2e-5
+        own = np.diag((by_reading * reading_sigma) ** 2)
+        shared = scale_sigma**2 * by_scale[:, None] * by_scale
+        print(((own + shared) * 1e8).round(1))
+        """,
+        """
+        [[   7.2   90. ]
+         [  90.  1462.5]]
+        """,
     ),
     mistakes=catalogue("""
         tilt forgotten: tilt_sigma**2 => 0
@@ -779,6 +869,19 @@ PITCH = Exercise(
     hints=(
         "For a given offset, replace(view, pitch=view.pitch + offset).project(ground_points) returns where the points should appear in the picture. Compare this with the marked pixels, and find the offset with the smallest error.",
         "scipy.optimize.least_squares needs a function that returns all errors in one array (.ravel()), and a start: [0.0]. Or try many offsets and return the one with the smallest sum of squares.",
+    ),
+    sibling=Sibling(
+        "The unknown offset is the number for which the predictions fit the measurements best, so you predict with many offsets and compare.",
+        """
+        import numpy as np
+
+        hours = np.array([1.0, 4.0, 7.0, 10.0])
+        tide = np.array([1.69, 0.35, 0.20, 1.56])  # metres; 1 + cos(hours / 2 + offset) is expected
+        offsets = np.linspace(-1, 1, 2001)
+        squares = [np.sum((1 + np.cos(hours / 2 + offset) - tide) ** 2) for offset in offsets]
+        print(f"offset {offsets[np.argmin(squares)]:.2f} rad")
+        """,
+        "offset 0.30 rad",
     ),
     mistakes=catalogue("""
         the wrong sign: return float => return -float

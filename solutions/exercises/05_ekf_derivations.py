@@ -12,7 +12,7 @@ import numpy.typing as npt
 import sympy
 from scipy.linalg import block_diag
 
-from nao_course.exercises import Case, Close, Derivative, Exercise, LessonPlan, Question, Written
+from nao_course.exercises import Case, Close, Derivative, Exercise, LessonPlan, Question, Sibling, Written
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.ekf_derivations.mistakes import jacobian_at
@@ -110,6 +110,21 @@ POSE = Exercise(
         "The function returns three numbers, one for each part of equation 5.1. Unpack the inputs first: x, y, theta = pose.",
         "Return np.array([...]) with x plus distance times a cosine, y plus distance times a sine, and theta plus the turn. The angle in both is the old heading.",
     ),
+    sibling=Sibling(
+        "All numbers of the new state are computed from the old one, as your position from the old heading: a stone falls with the speed that it had, and then its speed changes.",
+        """
+        import numpy as np
+
+
+        def fall(state, seconds):
+            height, speed = state
+            return np.array([height + speed * seconds, speed - 9.81 * seconds])
+
+
+        print(fall(fall(np.array([20.0, 3.0]), 0.1), 0.1))
+        """,
+        "[20.5019  1.038 ]",
+    ),
     mistakes=catalogue("""
         turn unpacked first: distance, turn = => turn, distance =
             You unpack the control as (turn, distance). It is (distance, turn).
@@ -204,6 +219,19 @@ MEASUREMENT = Exercise(
         "Compute dx and dy first, from the robot to the landmark. The rest is equation 5.2, and wrap_angle(angle) does the wrapping.",
         "np.arctan2 takes dy first. Subtract theta from its result and wrap the difference, not its two parts.",
     ),
+    sibling=Sibling(
+        "A bearing on a ship is computed in the same steps: the direction on the map, minus the course, and then the difference is wrapped; only the zero is different, because a compass counts from north.",
+        """
+        import numpy as np
+
+        ship, course, lighthouse = np.array([2.0, 1.0]), 350.0, np.array([4.0, 4.0])
+        east, north = lighthouse - ship
+        direction = np.degrees(np.arctan2(east, north))  # clockwise from north, as a compass
+        relative = direction - course
+        print(f"{relative:.1f}, wrapped {(relative + 180) % 360 - 180:.1f} degrees to starboard")
+        """,
+        "-316.3, wrapped 43.7 degrees to starboard",
+    ),
     mistakes=catalogue("""
         range first: dy)]) => dy)])[::-1]
             You return (range, bearing). In this course a measurement is (bearing, range).
@@ -284,6 +312,22 @@ POSITION = Exercise(
         "Seen from above, in which direction is the landmark if the robot's heading is theta and the bearing is beta?",
         "The landmark is r away in the direction theta + beta. Use the cosine for x and the sine for y, and add the robot's position.",
     ),
+    sibling=Sibling(
+        "A forearm's direction is the sum of two angles, as the landmark's is: the elbow's angle is counted from the upper arm, as a bearing is counted from the heading.",
+        """
+        import numpy as np
+
+
+        def tip(length, angle):
+            return length * np.array([np.cos(angle), np.sin(angle)])
+
+
+        shoulder, elbow = np.radians(30), np.radians(60)
+        hand = tip(0.3, shoulder) + tip(0.25, shoulder + elbow)
+        print(hand.round(3))
+        """,
+        "[0.26 0.4 ]",
+    ),
     mistakes=catalogue("""
         heading forgotten: theta + bearing =>> bearing
             You place the landmark as if the heading were 0. The bearing is relative to the heading, so use theta + beta.
@@ -361,6 +405,26 @@ MOTION = Exercise(
     hints=(
         "F is 3 x 3: row i is line i of equation 5.5, and column j is the variable x, y or theta with respect to which you differentiate. Seven of its nine entries are 0 or 1.",
         "In F only the column for theta takes work: differentiate d cos(theta) and d sin(theta). The first column of G has the factors of e_x in equation 5.5.",
+    ),
+    sibling=Sibling(
+        "A Jacobian has a row for each output and a column for each input, and differences show whether it is right; here the inputs are a crane's length and angle.",
+        """
+        import numpy as np
+
+
+        def hook(length, angle):
+            return np.array([length * np.cos(angle), 2 + length * np.sin(angle)])
+
+
+        length, angle, h = 5.0, 0.6, 1e-6
+        ahead, up = np.cos(angle), np.sin(angle)
+        J = np.eye(2)  # floats: an array of integers would cut off the decimals
+        J[0], J[1] = (ahead, -length * up), (up, length * ahead)
+        by_length = (hook(length + h, angle) - hook(length - h, angle)) / (2 * h)
+        by_angle = (hook(length, angle + h) - hook(length, angle - h)) / (2 * h)
+        print(J.round(3).tolist(), np.abs(J - np.stack([by_length, by_angle], axis=1)).max() < 1e-8)
+        """,
+        "[[0.825, -2.823], [0.565, 4.127]] True",
     ),
     mistakes=catalogue("""
         heading sign: [1, 0, -distance => [1, 0, distance
@@ -487,6 +551,21 @@ COVARIANCE = Exercise(
         "Use equation 5.6 with F and G from your motion_jacobians. In NumPy @ is the matrix product and .T the transpose.",
         "F, G = motion_jacobians(pose, control). Then add two products of three matrices each, with the transposed matrix on the right.",
     ),
+    sibling=Sibling(
+        "The covariance of linear combinations needs the matrix on the left and its transpose on the right, and independent errors add a second product.",
+        """
+        import numpy as np
+
+        A = np.array([[1.0, 1.0], [1.0, -1.0]])  # sum and difference of two lengths
+        lengths = np.array([[4.0, 1.0], [1.0, 2.0]])
+        B, reading = np.array([[1.0], [0.5]]), np.array([[0.2]])  # one more error, in both results
+        print(A @ lengths @ A.T + B @ reading @ B.T)
+        """,
+        """
+        [[8.2  2.1 ]
+         [2.1  4.05]]
+        """,
+    ),
     mistakes=catalogue("""
         Gᵀ Q G: G @ control_covariance @ G.T => G.T @ control_covariance @ G
             Your second term is G.T @ Q @ G; it should be G @ Q @ G.T. G rotates the errors from the robot frame into the field frame, and its transpose rotates them the other way.
@@ -577,6 +656,24 @@ LANDMARK = Exercise(
     hints=(
         "There are two rows, l_x and l_y of equation 5.3. Heading and bearing appear only as a sum. What does that mean for the derivatives with respect to them?",
         "by_pose is an identity and a third column, the derivative with respect to theta. by_measurement has that third column again, for beta, and then a cosine and a sine, for r.",
+    ),
+    sibling=Sibling(
+        "If two inputs appear only as a sum, the derivatives with respect to them are equal, so one column is computed once and used twice.",
+        """
+        import numpy as np
+
+
+        def money(start, rate, bonus):  # after one year with continuous interest
+            return start * np.exp(rate + bonus)
+
+
+        growth = np.exp(0.03 + 0.01)
+        by_rate = 200 * growth
+        J = np.array([growth, by_rate, by_rate])  # by start, rate and bonus
+        by_bonus = (money(200, 0.03, 0.01001) - money(200, 0.03, 0.00999)) / 2e-5
+        print(J.round(3), round(by_bonus, 3))
+        """,
+        "[  1.041 208.162 208.162] 208.162",
     ),
     mistakes=catalogue("""
         range first: return by_pose, by_measurement => return by_pose, by_measurement[:, ::-1]
@@ -693,6 +790,21 @@ DERIVE = Exercise(
     hints=(
         "The derivative of arctan(t) is 1 / (1 + t^2). Put t = dy / dx, multiply by the inner derivative, and expand with dx^2, so that the denominator is dx^2 + dy^2.",
         "dx = l_x - x has the inner derivative -1 with respect to x, so each derivative with respect to x or y is minus the derivative with respect to dx or dy. theta appears only once, in the bearing.",
+    ),
+    sibling=Sibling(
+        "The chain rule needs the outer derivative, the derivative of the quotient inside, and -1 because the distance becomes smaller when the position p grows.",
+        """
+        import numpy as np
+
+        wall, height, p = 7.0, 2.0, 3.0  # f(p) = log(height / (wall - p))
+        d = wall - p
+        outer = 1 / (height / d)  # derivative of log at the quotient
+        quotient = -height / d**2  # derivative of height / d with respect to d
+        inner = -1.0  # derivative of d with respect to p
+        numeric = (np.log(height / (d - 1e-5)) - np.log(height / (d + 1e-5))) / 2e-5
+        print(f"{outer * quotient * inner:.4f} = 1 / d, and by a difference {numeric:.4f}")
+        """,
+        "0.2500 = 1 / d, and by a difference 0.2500",
     ),
     mistakes=catalogue("""
         inner derivative forgotten: [[dy / q, -dx / q, -1], [-dx / r, -dy => [[-dy / q, dx / q, -1], [dx / r, dy
@@ -833,6 +945,24 @@ BY_POSE = Exercise(
         "This is the matrix from exercise 5.7 with numbers in place of symbols. Compute dx, dy and q = dx^2 + dy^2 first, then the rows.",
         "The first row is divided by q and ends with -1. The second row is divided by the root of q and ends with 0.",
     ),
+    sibling=Sibling(
+        "The loudness 1 / r of a loudspeaker depends on the position through dx, dy and q, as your measurement does, so these are computed first, and each derivative is a fraction with a power of q.",
+        """
+        import numpy as np
+
+
+        def loudness(x, y):
+            return 1 / np.hypot(4 - x, 3 - y)  # the loudspeaker is at (4, 3)
+
+
+        dx, dy = 4 - 1, 3 - 2
+        q = dx**2 + dy**2
+        J = np.array([dx, dy]) / q**1.5
+        by_x = (loudness(1 + 1e-5, 2) - loudness(1 - 1e-5, 2)) / 2e-5
+        print(J.round(4), round(by_x, 4))
+        """,
+        "[0.0949 0.0316] 0.0949",
+    ),
     mistakes=[
         *_SLIPS,
         *catalogue("""
@@ -892,6 +1022,25 @@ BY_LANDMARK = Exercise(
     hints=(
         "There are three ways: differentiate again, use property 1, or read property 2 as the definition of an inverse.",
         "Property 1: when robot and landmark move together, the measurement does not change. So the derivatives with respect to the landmark's position and to the robot's position add up to zero. Which columns of which of your functions do you need?",
+    ),
+    sibling=Sibling(
+        "The force of a spring depends only on the difference of its ends, as a measurement depends on the difference of landmark and robot: moving both changes nothing, so both derivatives add up to zero.",
+        """
+        import numpy as np
+
+
+        def by_left(left, right, stiffness):  # derivatives of stiffness * (right - left)**3
+            stretch = right - left
+            return np.array([-3 * stiffness * stretch**2, stretch**3])  # by left and by stiffness
+
+
+        whole = by_left(1.0, 1.5, 20.0)
+        by_right = -whole[0]  # only the entry of the position changes its sign
+        h = 1e-5
+        by_difference = 20 * ((0.5 + h) ** 3 - (0.5 - h) ** 3) / (2 * h)
+        print(f"{by_right:.3f}, and by a difference {by_difference:.3f}")
+        """,
+        "15.000, and by a difference 15.000",
     ),
     mistakes=[
         *_SLIPS,

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import chi2
 
-from nao_course.exercises import Case, Close, Each, Exercise, LessonPlan, Question, Written
+from nao_course.exercises import Case, Close, Each, Exercise, LessonPlan, Question, Sibling, Written
 from nao_course.geometry import rotation_2d, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.ekf_derivations.mistakes import jacobian_at
@@ -55,6 +55,21 @@ FUSE = Exercise(
     hints=(
         "Set the derivative of v(w) to zero and solve for w. Check the result: if variance_a is much larger than variance_b, w should be close to 1.",
         "weight = variance_a / (variance_a + variance_b). The mean moves this fraction of the way from a to b, and v(w) simplifies to (1 - weight) * variance_a.",
+    ),
+    sibling=Sibling(
+        "The heat in two parallel wires depends on w and 1 - w as the variance of a weighted mean does, and it is smallest where its derivative is zero.",
+        """
+        one, two = 2.0, 6.0  # ohm; one carries the part w of the current, two the rest
+
+
+        def heat(w):
+            return one * w**2 + two * (1 - w) ** 2
+
+
+        w = two / (one + two)  # 2 one w - 2 two (1 - w) = 0
+        print(w, heat(w), heat(w - 0.01) > heat(w) < heat(w + 0.01))
+        """,
+        "0.75 1.5 True",
     ),
     mistakes=catalogue("""
         weights exchanged: mean_a + weight => mean_a + (1 - weight)
@@ -164,6 +179,18 @@ INNOVATION = Exercise(
     hints=(
         "Subtract expected from measured. Then change only the bearing: if it is above pi or below -pi, add or subtract full turns. The range is a length and stays as it is.",
         "(angle + np.pi) % (2 * np.pi) - np.pi maps an angle to [-pi, pi). Return a new array, np.array([bearing, range]).",
+    ),
+    sibling=Sibling(
+        "Of two differences only the one on a circle is wrapped: a train at minute 58 instead of minute 3 is 5 minutes early, but the price is not periodic.",
+        """
+        import numpy as np
+
+        planned, real = np.array([3.0, 40.0]), np.array([58.0, 75.0])  # minute and price
+        minutes, price = real - planned
+        minutes = (minutes + 30) % 60 - 30
+        print(minutes, price)
+        """,
+        "-5.0 35.0",
     ),
     mistakes=catalogue("""
         sign: return => return -
@@ -290,6 +317,18 @@ NEES = Exercise(
         "For one number it is error**2 / variance. For a vector the covariance matrix replaces the variance, so dividing becomes multiplying by the inverse matrix.",
         "np.linalg.solve(covariance, error) is the inverse times the error. Multiply the error with it, using @.",
     ),
+    sibling=Sibling(
+        "With a matrix, a division becomes a linear system: the energy of one spring is force**2 / (2 stiffness), and here two springs are coupled.",
+        """
+        import numpy as np
+
+        stiffness = np.array([[5.0, 2.0], [2.0, 3.0]])
+        force = np.array([1.0, -2.0])
+        stretch = np.linalg.solve(stiffness, force)  # not force / stiffness, which divides entry by entry
+        print(round(float(force @ stretch) / 2, 4))
+        """,
+        "1.4091",
+    ),
     mistakes=_SQUARE_MISTAKES,
     alternatives=_SQUARES,
     equivalents={
@@ -343,6 +382,22 @@ COVARIANCE_ELLIPSE = Exercise(
     hints=(
         "np.linalg.eigh returns eigenvalues in ascending order and eigenvectors as columns. Each eigenvalue is the variance along its eigenvector, so equation 6.6 gives both semi-axes.",
         "The semi-axes are the square roots of the eigenvalues times np.sqrt(-2 * np.log(1 - probability)), the larger first. The angle is np.arctan2(y, x) of the last column, vectors[:, 1].",
+    ),
+    sibling=Sibling(
+        "np.linalg.eigh returns the largest eigenvalue last, and its direction is the last column, not the last row: here the direction in which a block of rubber is stretched most.",
+        """
+        import numpy as np
+
+        stretching = np.array([[3.0, 1.0, 0.0], [1.0, 2.0, 1.0], [0.0, 1.0, 5.0]])
+        factors, directions = np.linalg.eigh(stretching)
+        v = directions[:, -1]
+        print(factors.round(2), np.allclose(stretching @ v, factors[-1] * v))
+        print(np.allclose(stretching @ directions[-1], factors[-1] * directions[-1]))  # a row is wrong
+        """,
+        """
+        [1.19 3.47 5.34] True
+        False
+        """,
     ),
     mistakes=catalogue("""
         root forgotten: np.sqrt(variances[::-1]) => variances[::-1]
@@ -487,6 +542,25 @@ KALMAN_UPDATE = Exercise(
     hints=(
         "Compute S, then K, then the mean and the covariance of equation 6.7, one line each. In one dimension K is P / S. For matrices, choose the order and the transpose so that K is (n, m): P is (n, n), H is (m, n) and S is (m, m).",
         "K = P Hᵀ S^-1 with S = H P Hᵀ + R. The new mean is mean + K @ innovation; the new covariance is equation 6.7, or (I - K H) P, which is the same for this gain.",
+    ),
+    sibling=Sibling(
+        "Three sensors correct two unknowns, so the gain has a row for each unknown and a column for each sensor, and the covariance of the sensors is inverted, on the right.",
+        """
+        import numpy as np
+
+        C_ys = np.array([[0.8, 0.2, 0.0], [0.1, 0.5, 0.3]])  # two unknowns with three sensors
+        C_ss = np.array([[1.0, 0.2, 0.0], [0.2, 1.0, 0.1], [0.0, 0.1, 2.0]])
+        C_yy = np.array([[1.0, 0.1], [0.1, 0.9]])
+        gain = np.linalg.solve(C_ss, C_ys.T).T  # C_ys times the inverse of C_ss: (2, 3)
+        readings = np.array([0.5, -0.2, 1.0])  # minus their means
+        print((gain @ readings).round(3))
+        print((C_yy - gain @ C_ys.T).round(3))
+        """,
+        """
+        [0.385 0.03 ]
+        [[0.358 0.001]
+         [0.001 0.619]]
+        """,
     ),
     mistakes=catalogue("""
         S without R: H.T + R => H.T
@@ -715,6 +789,19 @@ LOCALIZE = Exercise(
     hints=(
         "Which measurement do you expect at the estimated pose, and how does it change with the pose? Lesson 05 has a function for each; innovation and kalman_update do the rest.",
         "The difference needs your innovation, with the expected measurement first. H is the Jacobian with respect to the pose, at the estimated pose. After the update, wrap only the heading.",
+    ),
+    sibling=Sibling(
+        "An angle is wrapped twice: first the difference, so that the correction goes the short way, and then the corrected angle.",
+        """
+        def wrapped(degrees):
+            return (degrees + 180) % 360 - 180
+
+
+        wind, gain = 175.0, 0.5
+        difference = wrapped(-165.0 - wind)  # 20 and not -340
+        print(wrapped(wind + gain * difference))
+        """,
+        "-175.0",
     ),
     mistakes=catalogue("""
         innovation unwrapped: innovation(expected_measurement(pose, landmark), measurement) => measurement - expected_measurement(pose, landmark)

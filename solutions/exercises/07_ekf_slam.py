@@ -22,6 +22,7 @@ from nao_course.exercises import (
     Mistake,
     Property,
     Question,
+    Sibling,
     Written,
 )
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
@@ -137,6 +138,20 @@ WARP2PI = Exercise(
     hints=(
         "Remove all whole turns from the angle. The operator % returns the remainder, also for arrays, from 0 to a full turn.",
         "Add half a turn before you apply %, and subtract it afterwards.",
+    ),
+    sibling=Sibling(
+        "A remainder begins at 0, so add half of the circle before you take it and subtract it again afterwards: here a tone's distance in semitones, from -6 to 5.",
+        """
+        import numpy as np
+
+        semitones = np.array([7, -7, 12, 30])
+        print(semitones % 12)
+        print((semitones + 6) % 12 - 6)
+        """,
+        """
+        [7 5 0 6]
+        [-5  5  0 -6]
+        """,
     ),
     mistakes=catalogue("""
         unchanged: + return np.asarray(angle)[()]
@@ -268,6 +283,26 @@ INIT_LANDMARKS = Exercise(
     hints=(
         "k is half the number of values. Landmark i has measurements[2 * i : 2 * i + 2], and its position has the same indices in the result.",
         "Start with a (2k, 2k) matrix of zeros and put the second matrix of landmark_jacobians for each landmark on its diagonal. Then one product is enough: blocks @ joint_noise(measurement_covariance, k) @ blocks.T.",
+    ),
+    sibling=Sibling(
+        "Each item has its own block of the large matrix: item i has the rows from 2 i and the columns from 3 i, and one product with the whole matrix converts all covariances.",
+        """
+        import numpy as np
+
+        boxes = np.array([[2.0, 3.0, 4.0], [1.0, 1.0, 5.0]])  # length, width, height
+        J = np.zeros((4, 6))
+        for i, (a, b, c) in enumerate(boxes):
+            floor, volume = [b, a, 0], [b * c, a * c, a * b]  # derivatives of a b and of a b c
+            J[2 * i : 2 * i + 2, 3 * i : 3 * i + 3] = [floor, volume]
+        sigmas = np.tile([0.1, 0.1, 0.2], 2)
+        print((J @ np.diag(sigmas**2) @ J.T).round(2))
+        """,
+        """
+        [[0.13 0.52 0.   0.  ]
+         [0.52 3.52 0.   0.  ]
+         [0.   0.   0.02 0.1 ]
+         [0.   0.   0.1  0.54]]
+        """,
     ),
     mistakes=catalogue("""
         how many numbers: return k, => return 2 * k,
@@ -426,6 +461,24 @@ PREDICT = Exercise(
     hints=(
         "Copy both arrays. Compute F and G at the old pose, before you overwrite state[:3]. A motion changes the first three values of the state and all blocks of the covariance that have a p in their name.",
         "The error of the pose becomes F e_p + G n, and the errors of the landmarks stay as they are. Multiply the one by the other and take the mean: this gives the block covariance[:3, 3:]. The block covariance[3:, :3] is its transpose.",
+    ),
+    sibling=Sibling(
+        "If one of two numbers is changed, as the pose is, and the other is not, as the landmarks are, their covariance gets the factor once, and the variance of the changed number gets it twice.",
+        """
+        import numpy as np
+
+        rng = np.random.default_rng(2)
+        pension = rng.normal(0, 1, 200000)
+        euros = 0.5 * pension + rng.normal(0, 1, 200000)
+        dollars = 1.2 * euros + rng.normal(0, 0.3, 200000)  # changed, with a new error
+        before, after = np.cov(euros, pension), np.cov(dollars, pension)
+        print(f"covariance: {after[0, 1] / before[0, 1]:.1f} times as large")
+        print(f"variance: {after[0, 0]:.1f} is {1.2**2 * before[0, 0] + 0.3**2:.1f}")
+        """,
+        """
+        covariance: 1.2 times as large
+        variance: 1.9 is 1.9
+        """,
     ),
     mistakes=catalogue("""
         cross-covariances left: covariance[3:, :3] = covariance[3:, :3] @ F.T => pass
@@ -892,6 +945,27 @@ UPDATE_LANDMARKS = Exercise(
         "First fill the innovation and H, two rows for each measured landmark: j is the number of the measurement and i = indices[j] the number of its landmark. Then wrap the bearings, compute S, and apply the gain of equation 7.5.",
         "Rows 2 j and 2 j + 1 of H: columns 0 to 2 are measurement_jacobian_pose, columns 3 + 2 i and 4 + 2 i are measurement_jacobian_landmark. Wrap innovation[::2] with warp2pi. S = H P Hᵀ + joint_noise(measurement_covariance, len(indices)).",
     ),
+    sibling=Sibling(
+        "Measurement j fills row j, and its entries stand in the columns of its points, which come in any order as your landmarks do: here differences of height are measured.",
+        """
+        import numpy as np
+
+        pairs = [(2, 0), (0, 1), (2, 1)]  # each measures the height of the second minus the first
+        measured = np.array([1.5, 0.8, 2.2])
+        A = np.zeros((len(pairs), 3))
+        for j, (low, high) in enumerate(pairs):
+            A[j, low], A[j, high] = -1, 1
+        print(A)
+        heights = np.linalg.lstsq(A[:, :2], measured, rcond=None)[0]  # point 2 has the height 0
+        print(heights.round(3))
+        """,
+        """
+        [[ 1.  0. -1.]
+         [-1.  1.  0.]
+         [ 0.  1. -1.]]
+        [1.467 2.233]
+        """,
+    ),
     mistakes=[
         *catalogue("""
         innovation unwrapped: innovation[::2] = warp2pi(innovation[::2]) => pass
@@ -1068,6 +1142,18 @@ UPDATE = Exercise(
         "Call update_landmarks with all k landmarks as its indices.",
         "The indices of all k landmarks are range(k).",
     ),
+    sibling=Sibling(
+        "A function for some items does the work for all items if it gets all their numbers.",
+        """
+        def total(prices, chosen):
+            return sum(prices[i] for i in chosen)
+
+
+        prices = [4, 1, 7]
+        print(total(prices, [2, 0]), total(prices, range(len(prices))))
+        """,
+        "11 12",
+    ),
     mistakes=catalogue("""
         the first one only
             update_landmarks(state, covariance, list(range(k)), measurements, measurement_covariance) => update_landmarks(state, covariance, [0], measurements[:2], joint_noise(measurement_covariance, k)[:2, :2])
@@ -1154,6 +1240,18 @@ EVALUATE_LANDMARKS = Exercise(
     hints=(
         "The square of the second distance is lesson 06's NEES, computed for each landmark with its own covariance.",
         "For one landmark it is the square root of error @ np.linalg.solve(covariance, error). Loop over the landmarks.",
+    ),
+    sibling=Sibling(
+        "Each item has a matrix of its own, so the quadratic form is computed item by item, and a length is computed row by row: here the energy and the speed of three bodies.",
+        """
+        import numpy as np
+
+        speeds = np.array([[1.0, 2.0], [0.0, 3.0], [2.0, -1.0]])
+        masses = np.array([np.eye(2), [[2.0, 0.5], [0.5, 1.0]], np.diag([4.0, 1.0])])
+        energies = [v @ M @ v / 2 for v, M in zip(speeds, masses)]
+        print(np.round(energies, 2), np.linalg.norm(speeds, axis=1).round(2))
+        """,
+        "[2.5 4.5 8.5] [2.24 3.   2.24]",
     ),
     mistakes=catalogue("""
         the homework's: error @ np.linalg.solve(P, error) => error @ P @ error
@@ -1281,6 +1379,27 @@ ADD_LANDMARK = Exercise(
     hints=(
         "Write the error of the new state as one matrix times the errors of the old state and of the measurement. Then propagate their covariance through this matrix, as in lesson 05.",
         "The error of the new landmark is J_p times the error of the pose plus J_z times the noise. The top rows of the matrix are an identity and zeros, because the old state does not change; the last two rows are J_p, zeros for the other landmarks, and J_z.",
+    ),
+    sibling=Sibling(
+        "A new number that is computed from the old ones and a new error has a row in a matrix that keeps the old ones: one product gives its variance and all its covariances.",
+        """
+        import numpy as np
+
+        P, reading = np.array([[0.04, 0.01], [0.01, 0.09]]), 0.02  # width and height
+        T = np.array([
+            [1.0, 0.0, 0.0],  # the width stays
+            [0.0, 1.0, 0.0],  # the height stays
+            [2.0, 2.0, 1.0],  # perimeter = 2 width + 2 height + an error of its own
+        ])
+        errors = np.zeros((3, 3))
+        errors[:2, :2], errors[2, 2] = P, reading
+        print((T @ errors @ T.T).round(3))
+        """,
+        """
+        [[0.04 0.01 0.1 ]
+         [0.01 0.09 0.2 ]
+         [0.1  0.2  0.62]]
+        """,
     ),
     mistakes=catalogue("""
         the homework's: cross = covariance[:, :3] @ by_pose.T => cross = np.zeros((len(state), 2))

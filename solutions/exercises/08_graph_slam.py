@@ -12,7 +12,7 @@ import scipy.sparse
 import scipy.sparse.csgraph
 import scipy.sparse.linalg
 
-from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Sibling, Written
 from nao_course.instructor.authoring.mistakes import Change, catalogue
 from nao_course.lessons.graph_slam.drivers import SolvedOrNamed
 
@@ -103,6 +103,24 @@ ADD_INITIAL_POSITION = Exercise(
     hints=(
         "A start says x = position, so its row has one entry, on the diagonal. Copy both arrays; two more lines are enough.",
         "Begin with omega.copy() and xi.copy(). Then add something to omega[index, index] and something to xi[index].",
+    ),
+    sibling=Sibling(
+        "A function adds to copies of its arguments, so that the old sums stay as they are: here a count and a sum for each of three people.",
+        """
+        import numpy as np
+
+
+        def add_grade(counts, sums, person, grade):
+            counts, sums = counts.copy(), sums.copy()
+            counts[person] += 2  # this exam counts twice
+            sums[person] += 2 * grade
+            return counts, sums
+
+
+        empty = np.zeros(3)
+        print(*add_grade(*add_grade(empty, empty, 1, 4.0), 1, 3.0), empty)
+        """,
+        "[0. 4. 0.] [ 0. 14.  0.] [0. 0. 0.]",
     ),
     mistakes=catalogue("""
         = for +=: += =>> =
@@ -319,6 +337,21 @@ ADD_RELATIVE_MOTION = Exercise(
         "Translate equation 8.2 entry by entry. It changes four entries of omega and two of xi. Compute weight = 1 / epsilon first.",
         "Add the weight to omega[before, before] and omega[after, after], and subtract it from omega[before, after] and omega[after, before]. Subtract weight * motion from xi[before], and add it to xi[after].",
     ),
+    sibling=Sibling(
+        "Expand the square of an equation's residual: here two bags weigh s together, (x_0 + x_1 - s)**2 / variance, and its derivatives give the entries, all with the same sign.",
+        """
+        import numpy as np
+
+        A, b = np.zeros((2, 2)), np.zeros(2)
+        for i, j, s, variance in ((0, 1, 5.0, 0.5), (1, 1, 4.0, 2.0)):  # both bags, then two bags like bag 1
+            w = 1 / variance
+            row = np.bincount([i, j], minlength=2)  # how often x_0 and x_1 are in the equation
+            A += w * row[:, None] * row
+            b += w * s * row
+        print(A.tolist(), b.tolist(), np.linalg.solve(A, b).tolist())
+        """,
+        "[[2.0, 2.0], [2.0, 4.0]] [10.0, 14.0] [3.0, 2.0]",
+    ),
     mistakes=[
         *_link_mistakes("motion", "before", "after", written_out=False),
         *catalogue("""
@@ -356,6 +389,21 @@ ADD_RELATIVE_MEASUREMENT = Exercise(
     hints=(
         "Which equation does the measurement give? Have you written this equation before, with other names?",
         "It is landmark - pose = offset. A motion of `offset` from the pose would end at the landmark, so one call is enough.",
+    ),
+    sibling=Sibling(
+        "If two actions change the numbers in the same way, only with other names, one function calls the other: a customer who buys something sends money to a shop.",
+        """
+        def send(money, giver, receiver, amount):
+            return money | {giver: money[giver] - amount, receiver: money[receiver] + amount}
+
+
+        def buy(money, customer, shop, price):
+            return send(money, customer, shop, price)
+
+
+        print(buy({"Ann": 50, "baker": 10}, "Ann", "baker", 4))
+        """,
+        "{'Ann': 46, 'baker': 14}",
     ),
     mistakes=[
         *_link_mistakes("offset", "pose", "landmark", written_out=True),
@@ -526,6 +574,19 @@ SOLVE = Exercise(
         "np.linalg.solve does the first part. For the second part, np.linalg.eigh(omega) returns eigenvalues and, in the columns of a matrix, their eigenvectors. Which columns matter, and what does a nonzero entry of such a column mean for its variable?",
         "With values, vectors = np.linalg.eigh(omega), the columns with an eigenvalue of at most 1e-12 of the largest one are the free directions. Use <= for this comparison, because the largest may be 0 itself. Every variable with a nonzero entry in a free direction can be moved: raise a ValueError with all their numbers.",
     ),
+    sibling=Sibling(
+        "A free direction is a change of the unknowns that changes no equation, and all unknowns with an entry in it are undetermined: here only x_2 and x_3 are known.",
+        """
+        import numpy as np
+
+        A = np.array([[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0], [0.0, 0.0, 0.0, 2.0]])
+        _, sizes, directions = np.linalg.svd(A)  # the directions are rows
+        rank = np.sum(sizes > 1e-12 * sizes[0])
+        free = directions[rank:]
+        print(np.abs(free).round(3), np.flatnonzero(np.abs(free).max(axis=0) > 1e-6))
+        """,
+        "[[0.707 0.707 0.    0.   ]] [0 1]",
+    ),
     mistakes=catalogue("""
         names nothing: f"nothing holds {', '.join(map(str, loose))}" => "the system is singular"
             Your solutions are right. But if the system is singular, your message names no variable. Find the variables that can be moved freely, and put their numbers into the message of a ValueError.
@@ -679,6 +740,24 @@ MARGINALIZE = Exercise(
     hints=(
         "Cut the system into blocks: omega[np.ix_(rows, columns)] selects one. Equation 8.5 needs three blocks of omega and two of xi. Begin with a list of the variables that are not in keep.",
         "Let `removed` be the numbers that are not in keep, A the block (keep, keep) of omega, B the block (keep, removed), and C the block (removed, removed). Return A - B C^-1 Bᵀ and xi[keep] - B C^-1 xi[removed]. np.linalg.solve(C, ...) is more accurate than an inverse.",
+    ),
+    sibling=Sibling(
+        "If you put the best y for each x into a quadratic function, a function of x alone remains; if x and y are several variables, a, b and c are blocks of a matrix, and np.ix_ selects a block.",
+        """
+        import numpy as np
+
+        a, b, c = 5.0, 2.0, 4.0  # f(x, y) = a x**2 + 2 b x y + c y**2, smallest at y = -b x / c
+        x, y = 3.0, np.linspace(-5, 5, 10001)
+        smallest = np.min(a * x**2 + 2 * b * x * y + c * y**2)
+        print(f"{smallest:.3f} and {(a - b * b / c) * x**2:.3f}")
+        table = np.arange(16).reshape(4, 4)
+        print(table[np.ix_([3, 0], [1, 2])])  # rows 3 and 0, and of these the columns 1 and 2
+        """,
+        """
+        36.000 and 36.000
+        [[13 14]
+         [ 1  2]]
+        """,
     ),
     mistakes=catalogue("""
         only cut out: - share @ between.T, xi[keep] - share @ xi[removed] => , xi[keep]
@@ -917,6 +996,22 @@ SOLVE_SPARSE = Exercise(
     hints=(
         "connected_components returns the number of groups and, for each variable, the number of its group. np.bincount with weights adds up the row sums of omega in each group. What is this total without a start, and what with one?",
         'An edge adds 0 to the sum of a row, and a start adds 1. So a group is held if the sums of its rows add up to more than rounding errors. For the order, splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A") applies minimum degree to the pattern of omega + omega.T.',
+    ),
+    sibling=Sibling(
+        "The numbers of each group are added up with np.bincount, and the result is brought back to the members with the group's number as the index: here the villages without a doctor on their island.",
+        """
+        import numpy as np
+
+        island = np.array([0, 0, 1, 2, 1])  # of each village
+        doctors = np.array([0.1 + 0.2 - 0.3, 0.0, 1.0, 0.0, 0.0])  # the first is 0 up to rounding
+        on_island = np.bincount(island, doctors)
+        print(on_island.round(3), on_island[island] < 0.5)
+        print(np.flatnonzero(on_island[island] < 0.5))
+        """,
+        """
+        [0. 1. 0.] [ True  True False  True False]
+        [0 1 3]
+        """,
     ),
     mistakes=catalogue("""
         in the order of the numbers: permc_spec="MMD_AT_PLUS_A" => permc_spec="NATURAL"

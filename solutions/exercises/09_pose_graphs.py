@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy.sparse
 import scipy.sparse.linalg
 
-from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Written
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Mistake, Question, Sibling, Written
 from nao_course.geometry import rotation_2d, wrap_angle
 from nao_course.graphs import LANDMARK, POSE, Graph, matrices
 from nao_course.instructor.authoring.mistakes import catalogue
@@ -144,6 +144,24 @@ LANDMARK_RESIDUAL = Exercise(
         "Compute the vector from the pose to the landmark in the map frame, rotate it into the robot's frame, and subtract the measurement.",
         "Let dx, dy be the vector from the pose to the landmark, and c, s the cosine and sine of the heading. Then ahead is c dx + s dy, and left is -s dx + c dy. End with .T as the worked example does.",
     ),
+    sibling=Sibling(
+        "The components of a vector along other axes are its dot products with these axes, and a transposed array has one row for each vector.",
+        """
+        import numpy as np
+
+        street, cross = np.array([0.6, 0.8]), np.array([-0.8, 0.6])  # unit vectors of a town's grid
+        hotel, shops = np.array([2.0, 1.0]), np.array([[6.0, 5.0], [1.0, 4.0], [3.0, -1.0]])
+        east, north = (shops - hotel).T
+        along = street[0] * east + street[1] * north
+        across = cross[0] * east + cross[1] * north
+        print(np.array([along, across]).T.round(2))
+        """,
+        """
+        [[ 5.6 -0.8]
+         [ 1.8  2.6]
+         [-1.  -2. ]]
+        """,
+    ),
     mistakes=[
         *catalogue("""
         turned the wrong way: np.sin(theta) => np.sin(-theta)
@@ -240,6 +258,24 @@ LANDMARK_RESIDUAL_JACOBIANS = Exercise(
     hints=(
         "The Jacobian by the landmark is the rotation Rᵀ, and the columns of x and y are its negative. For the column of theta, differentiate both rows on the sheet above.",
         "The derivative of the first row by theta is the second row without z: -s dx + c dy. The derivative of the second row is minus the first row without z. matrices(...) accepts numbers and arrays.",
+    ),
+    sibling=Sibling(
+        "The derivative of a turned vector with respect to the angle is made of its own two components, exchanged and one with the other sign: here a point on a wheel that turns to the left.",
+        """
+        import numpy as np
+
+
+        def turned(angle):
+            x = 3 * np.cos(angle) - 2 * np.sin(angle)
+            y = 3 * np.sin(angle) + 2 * np.cos(angle)
+            return np.array([x, y])
+
+
+        x, y = turned(0.4)
+        by_difference = (turned(0.4 + 1e-6) - turned(0.4 - 1e-6)) / 2e-6
+        print(np.array([-y, x]).round(4), by_difference.round(4))
+        """,
+        "[-3.0104  1.9843] [-3.0104  1.9843]",
     ),
     mistakes=catalogue("""
         sign: return matrices => return -matrices
@@ -360,6 +396,24 @@ POSE_RESIDUAL = Exercise(
     hints=(
         "Change the frame twice, each time as in exercise 9.1: express the second pose in the frame of the first one, and the result in the frame of z.",
         "After the first change of frame, subtract the x and y of z and rotate by minus the angle of z. The third number is second - first - z of the headings, and wrap_angle is applied last.",
+    ),
+    sibling=Sibling(
+        "Two frames are entered one after the other, and each time the origin is subtracted first and the rest is turned back by the frame's angle: here a cup, seen from a robot's hand.",
+        """
+        import numpy as np
+
+
+        def seen_from(origin, angle, point):
+            x, y = point - origin
+            axis = np.array([np.cos(angle), np.sin(angle)])  # the frame's x axis
+            return np.array([axis @ (x, y), axis @ (y, -x)])
+
+
+        cup = np.array([1.0, 3.0])
+        from_arm = seen_from(np.array([0.5, 1.0]), np.radians(30), cup)
+        print(from_arm.round(3), seen_from(np.array([1.0, 0.2]), np.radians(-20), from_arm).round(3))
+        """,
+        "[1.433 1.482] [-0.032  1.353]",
     ),
     mistakes=[
         *catalogue("""
@@ -524,6 +578,23 @@ POSE_RESIDUAL_JACOBIANS = Exercise(
     hints=(
         "The two rotations together are one rotation by theta + the angle of z. With this angle, x and y are as in exercise 9.2, and the headings add a third row.",
         "The Jacobian by the second pose contains the rotation and a 1. The Jacobian by the first pose contains minus the rotation, a column of theta as in exercise 9.2, and a -1. The x and y of z appear in neither.",
+    ),
+    sibling=Sibling(
+        "Two rotations in the plane are one rotation by the sum of the angles, so the derivatives with respect to both angles are equal: multiply by i, a quarter turn.",
+        """
+        import numpy as np
+
+        point, a, b, h = 2 + 1j, 0.3, 0.5, 1e-6  # complex numbers as vectors
+
+
+        def turned(a, b):
+            return np.exp(1j * a) * (np.exp(1j * b) * point)
+
+
+        by_b = (turned(a, b + h) - turned(a, b - h)) / (2 * h)
+        print(np.round(1j * np.exp(1j * (a + b)) * point, 4), np.round(by_b, 4))
+        """,
+        "(-2.1314+0.6761j) (-2.1314+0.6761j)",
     ),
     mistakes=catalogue("""
         z's angle left out: theta + z.T[2] => theta
@@ -713,6 +784,26 @@ LINEARIZE = Exercise(
         "Compute for each kind of edges the residuals e, the Jacobians side by side as J, and then Jᵀ Omega J and Jᵀ Omega e for all edges at once with @. Then add them at their places.",
         "J.mT @ edges.information is Jᵀ Omega of all edges. Multiplied by J it gives the blocks, and graph.add_blocks adds these to a sparse matrix. For b, multiply by the residuals as columns, [:, :, None], and add with np.bincount over edges.places.",
     ),
+    sibling=Sibling(
+        "A spring has a small block and a share for each of its ends, as an edge has: all are computed at once, and np.bincount adds the shares at the numbers of the ends.",
+        """
+        import numpy as np
+
+        ends = np.array([[0, 1], [1, 2], [0, 2]])  # three springs between three balls
+        stiffness, x = np.array([2.0, 1.0, 4.0]), np.array([0.0, 1.0, 3.0])
+        D = np.tile([[-1.0, 1.0]], (3, 1, 1))  # (springs, 1, 2): stretch = D x
+        blocks = D.mT @ D * stiffness[:, None, None]
+        forces = blocks @ x[ends][:, :, None]
+        print(np.bincount(ends.ravel(), forces.ravel(), 3))
+        K = np.zeros((3, 3))
+        np.add.at(K, (ends[:, :, None], ends[:, None, :]), blocks)
+        print(K @ x)
+        """,
+        """
+        [-14.   0.  14.]
+        [-14.   0.  14.]
+        """,
+    ),
     mistakes=catalogue("""
         sign of b: (*blocks), b => (*blocks), -b
             H is correct, but b has the opposite sign: b = Jᵀ Omega e. The minus is in the equation H delta = -b.
@@ -892,6 +983,22 @@ GAUSS_NEWTON = Exercise(
         "Copy the states. In each iteration linearise at the current states, remove the rows and columns of the first pose, solve as in lesson 08's solve_sparse, and move. The history begins with chi2 before the first step.",
         "Solve H[3:, 3:] x = b[3:] and subtract x from states[3:]. With free = graph.elimination_order, use H[free][:, free], b[free] and states[free] in the same way.",
     ),
+    sibling=Sibling(
+        "Each iteration computes residuals and derivatives at the current value, solves, and moves; the errors are stored before the first step and after each: here the rate of a decay.",
+        """
+        import numpy as np
+
+        t, y = np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.0, 0.61, 0.37, 0.22])
+        rate = 0.1  # y = exp(-rate t) is expected
+        errors = [np.sum((np.exp(-rate * t) - y) ** 2)]
+        for _ in range(4):
+            e, J = np.exp(-rate * t) - y, -t * np.exp(-rate * t)
+            rate = rate - (J @ e) / (J @ J)
+            errors.append(np.sum((np.exp(-rate * t) - y) ** 2))
+        print(round(rate, 3), np.round(errors, 4))
+        """,
+        "0.499 [0.5595 0.0381 0.0006 0.     0.    ]",
+    ),
     mistakes=catalogue("""
         uphill: -= splu => += splu
             You step uphill, because you add the solution of H x = b. The equation is H delta = -b: subtract the solution, or negate b.
@@ -1057,6 +1164,26 @@ MARGINAL_COVARIANCES = Exercise(
         "Column k of the inverse is the solution x of H x = e_k, where e_k is a unit vector. Which columns does a block need?",
         "Factorise H once with splu. For each block, solve for an (n, k) array of unit vectors, and keep the rows of the block from the result.",
     ),
+    sibling=Sibling(
+        "A column of an inverse is the solution for a unit vector, so some columns need no inverse: here the amounts that a factory makes to deliver one unit of product 1 or of product 3.",
+        """
+        import numpy as np
+
+        uses = np.array([[0, 0.2, 0, 0.1], [0.3, 0, 0.1, 0], [0, 0.4, 0, 0], [0.1, 0, 0.2, 0]])
+        wanted = [1, 3]
+        orders = np.eye(4)[:, wanted]  # (4, 2), one unit vector for each product
+        made = np.linalg.solve(np.eye(4) - uses, orders)
+        print(made.round(3))
+        print(np.allclose(made, np.linalg.inv(np.eye(4) - uses)[:, wanted]))
+        """,
+        """
+        [[0.234 0.108]
+         [1.115 0.034]
+         [0.446 0.014]
+         [0.113 1.014]]
+        True
+        """,
+    ),
     mistakes=catalogue("""
         conditional: factor.solve(units)[index] => np.linalg.inv(H.tocsr()[index][:, index].toarray())
             You invert the block of H. This is the covariance if all other variables were known exactly, so it is too small. Take the block of the inverse of the whole matrix.
@@ -1155,6 +1282,22 @@ REWEIGHT = Exercise(
     hints=(
         "graph.squared_errors gives chi2 of every edge, (E,). The weight of each is equation 9.6; the information of each edge is multiplied by it.",
         "weights[:, None, None] multiplies (E, 3, 3) edge by edge; dataclasses.replace(graph, information=...) is the same graph with other information matrices.",
+    ),
+    sibling=Sibling(
+        "Each value gets a weight that depends on its own error, and new axes let one weight for each item multiply a whole matrix.",
+        """
+        import numpy as np
+
+        values = np.array([1.0, 1.2, 0.9, 9.0])
+        weights = 1 / np.maximum(1, np.abs(values - 1.1) / 0.5)  # less than 1 beyond 0.5
+        print(weights.round(3), round(np.average(values, weights=weights), 2), values.mean().round(2))
+        pictures = np.ones((4, 2, 2))
+        print((pictures * weights.reshape(-1, 1, 1))[:, 1, 1].round(3))
+        """,
+        """
+        [1.    1.    1.    0.063] 1.2 3.02
+        [1.    1.    1.    0.063]
+        """,
     ),
     mistakes=catalogue("""
         functions exchanged: pose_residual, landmark_residual) => landmark_residual, pose_residual)

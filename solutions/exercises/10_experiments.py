@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.colours import GREEN, YELLOW
-from nao_course.exercises import Case, Close, Exercise, LessonPlan, Question, Written
+from nao_course.exercises import Case, Close, Exercise, LessonPlan, Question, Sibling, Written
 from nao_course.geometry import Pose
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.experiments.intervals import Interval, case_of
@@ -45,6 +45,15 @@ PAYING_PRECISION = Exercise(
     hints=(
         "With precision p, a report costs hit with probability p and false otherwise. Reporting nothing costs missed with probability p and nothing otherwise. For which p are the two expected costs equal?",
         "Solve p * hit + (1 - p) * false = p * missed for p.",
+    ),
+    sibling=Sibling(
+        "Write the expected cost of both decisions as a function of the probability, and solve for the probability at which they are equal: here an insurance with a deductible.",
+        """
+        premium, damage, deductible = 30.0, 800.0, 200.0
+        p = premium / (damage - deductible)  # premium + p deductible = p damage
+        print(p, premium + p * deductible, p * damage)
+        """,
+        "0.05 40.0 40.0",
     ),
     mistakes=catalogue("""
         the miss that is spared forgotten: (false + missed - hit) => (false - hit)
@@ -187,6 +196,27 @@ DETECTION_COST = Exercise(
     hints=(
         "First compute all distances, an (N, K) array: np.linalg.norm(detected[:, None] - truth, axis=2). As long as the smallest distance is within the tolerance, count a hit and remove its row and its column.",
         "np.unravel_index(distances.argmin(), distances.shape) returns the row i and the column j of the smallest distance; set distances[i, :] and distances[:, j] to np.inf to remove them. An empty array has no argmin, so test distances.size first. Reports without a hit are false, and corners without a hit are missed.",
+    ),
+    sibling=Sibling(
+        "The closest pair is matched first, then both are removed, and so on as long as the smallest distance is small enough: here socks by their length.",
+        """
+        import numpy as np
+
+        left, right = np.array([20.0, 24.0, 31.0]), np.array([23.5, 20.5])
+        table, alone = np.abs(left[:, None] - right), [20, 24, 31]
+        while table.min(initial=np.inf) < 2:
+            row, column = divmod(int(table.argmin()), table.shape[1])
+            print(f"{left[row]:g} and {right[column]:g}")
+            table[row] = np.inf
+            table[:, column] = np.inf
+            alone.remove(left[row])
+        print("alone:", alone)
+        """,
+        """
+        20 and 20.5
+        24 and 23.5
+        alone: [31]
+        """,
     ),
     mistakes=catalogue("""
         doubles are hits: hits = 0 => taken = []
@@ -374,6 +404,20 @@ GRID_SEARCH = Exercise(
         "product(betas, gaps, lengths) yields all settings. For each of them, go through the scenes: compute the labels, find the corners, and call detection_cost.",
         "Start with table = {setting: [] for setting in product(betas, gaps, lengths)}. If the outer loop goes over the scenes and the next one over the betas, the labels are computed only once for each beta: table[beta, gap, length].append(...). Convert each list with np.array at the end.",
     ),
+    sibling=Sibling(
+        "The expensive step depends on one setting only, so it stands in the outer loop and is done once for each value of that setting: here an oven is heated.",
+        """
+        heated = 0
+        table = {(celsius, minutes): [] for celsius in (180, 220) for minutes in (10, 20, 30)}
+        for dough in (3, 4):
+            for celsius in (180, 220):
+                heated += 1  # not once more for each number of minutes
+                for minutes in (10, 20, 30):
+                    table[celsius, minutes].append(celsius * minutes // dough)
+        print(heated, table[220, 20], len(table))
+        """,
+        "4 [1466, 1100] 6",
+    ),
     mistakes=catalogue("""
         means only: np.array(costs) => float(np.mean(costs))
             You return one mean for each setting. Return the costs of all scenes, because the uncertainty of a mean can only be computed from them.
@@ -502,6 +546,18 @@ BOOTSTRAP_INTERVAL = Exercise(
     hints=(
         "One resample is rng.choice(values, len(values)). It draws with replacement, so some values appear twice and some not at all. Compute the means of thousands of resamples.",
         "rng.choice(values, (2000, len(values))).mean(axis=1) returns the means of 2000 resamples. Half of 1 - probability lies below the lower end and half above the upper end; pass these two fractions to np.quantile.",
+    ),
+    sibling=Sibling(
+        "Resamples with replacement show how much a result varies: here the standard deviation of a median.",
+        """
+        import numpy as np
+
+        rng = np.random.default_rng(3)
+        minutes = np.array([4.0, 7, 5, 9, 6, 30, 5, 8, 6, 7])
+        medians = [np.median(rng.choice(minutes, 10)) for _ in range(3000)]
+        print(f"median {np.median(minutes)}, standard deviation about {np.std(medians):.0f} minute")
+        """,
+        "median 6.5, standard deviation about 1 minute",
     ),
     mistakes=catalogue("""
         spread of the values: (2000, len(values)) => (2000, 1)
@@ -632,6 +688,18 @@ POSSIBLE_HITS = Exercise(
     hints=(
         "For a given number of hits, 5 n_f + n_m can only be the whole number nearest to n_pictures * mean_cost + 1.333 * hits. Compute the mean that follows from it and test whether it is within the bound.",
         "Start with hits = np.arange(most_hits + 1) and compute everything with arrays. np.round(...) returns the nearest whole numbers, which must not be negative. The means may be off by 0.0005, plus 1e-9 for rounding errors.",
+    ),
+    sibling=Sibling(
+        "A sum of whole numbers is a whole number, so only some means are possible: here the numbers of families for which a mean of 2.17 children can be printed.",
+        """
+        import numpy as np
+
+        families = np.arange(1, 31)
+        children = np.round(2.17 * families)  # the nearest whole number
+        possible = np.abs(children / families - 2.17) <= 0.005 + 1e-9
+        print(families[possible])
+        """,
+        "[ 6 12 18 23 24 29 30]",
     ),
     mistakes=catalogue("""
         four thirds: 1.333 =>> (4 / 3)
@@ -770,6 +838,18 @@ ERROR_BUDGET = Exercise(
     hints=(
         "view.project(landmarks, Pose(*pose)) returns the landmarks' pixels. measurement_covariance with one of its sigmas set to 0 returns D or the part of the tilt. H has two rows for each landmark.",
         "W is the inverse of R in both parts, because the robot weights its measurements for all errors together. P = inv(Hᵀ W H), K = P Hᵀ W, and the parts are K D Kᵀ and K (R - D) Kᵀ.",
+    ),
+    sibling=Sibling(
+        "The weights are chosen once, and with the same weights each source's covariance becomes a part of the result's, so that the parts add up to the whole.",
+        """
+        import numpy as np
+
+        share = np.array([0.5, 0.3, 0.2])  # of three portfolios
+        own, market = np.diag([4.0, 1.0, 9.0]), np.full((3, 3), 2.0)
+        parts = [share @ covariance @ share for covariance in (own, market)]
+        print(np.round(parts, 3), round(float(share @ (own + market) @ share), 3))
+        """,
+        "[1.45 2.  ] 3.45",
     ),
     mistakes=catalogue("""
         one source at a time: return K @ D @ K.T, K @ by_tilt @ K.T => return np.linalg.inv(H.T @ np.linalg.inv(D) @ H), np.linalg.inv(H.T @ W @ H)

@@ -22,6 +22,7 @@ from nao_course.exercises import (
     Mistake,
     Property,
     Question,
+    Sibling,
     Unordered,
     calls,
 )
@@ -138,6 +139,19 @@ MEASUREMENTS_FROM_PIXELS = Exercise(
     hints=(
         "Two functions of lesson 04 convert pixels to bearings and ranges. A point above the horizon becomes NaN on the way.",
         "Loop over the two kinds, and over the rows of ground_to_measurement(pixel_to_ground(pixels, view)). Make a Measurement of each row with a finite range.",
+    ),
+    sibling=Sibling(
+        "Two lists of different kinds become one list in a loop over both kinds, and rows with NaN are left out.",
+        """
+        import numpy as np
+
+        days = {"rain": np.array([[1, 4.0], [2, np.nan]]), "snow": np.array([[3, 12.0]])}
+        everything = []
+        for kind, rows in days.items():
+            everything += [(kind, int(day), float(mm)) for day, mm in rows if np.isfinite(mm)]
+        print(everything)
+        """,
+        "[('rain', 1, 4.0), ('snow', 3, 12.0)]",
     ),
     mistakes=catalogue("""
         the horizon: np.isfinite(distance) => True
@@ -268,6 +282,25 @@ MEASURE = Exercise(
     hints=(
         "Follow the order of the paper's section 4: lightness, threshold, labels; then posts and corners in the labels; then exercise 11.1.",
         "rgb_to_hsl(picture) returns hue, saturation and lightness. Pass the mean lightness to white_threshold, and its result with GREEN and YELLOW to color_labels.",
+    ),
+    sibling=Sibling(
+        "Small functions are called in order, and a value that depends on the whole input is computed first and passed on.",
+        """
+        import numpy as np
+
+
+        def limit(sound):
+            return 3 * np.median(np.abs(sound))
+
+
+        def bursts(sound, level):
+            return np.flatnonzero(np.abs(sound) > level)
+
+
+        sound = np.array([0.1, -0.1, 0.9, 0.1, -0.7, 0.2])
+        print(bursts(sound, limit(sound)))
+        """,
+        "[2 4]",
     ),
     mistakes=catalogue("""
         rows for columns: find_goalposts(labels) => find_goalposts(labels)[:, ::-1]
@@ -445,6 +478,22 @@ JOINT_DISTANCE = Exercise(
     hints=(
         "It is your update_landmarks up to S: stack innovation and H of all pairs, then compute one number from them.",
         "First list the measurements that have a partner. Measurement i has the rows and columns 2 i and 2 i + 1 of measurement_covariance, and np.ix_ selects them. Without a pair all arrays are empty, so the sum is 0.",
+    ),
+    sibling=Sibling(
+        "Exams that were not taken are left out first, as measurements without a landmark are, and np.ix_ then selects the rows and columns of the others from the covariance of all.",
+        """
+        import numpy as np
+
+        C = np.array([[4.0, 1.0, 0.5], [1.0, 9.0, 2.0], [0.5, 2.0, 1.0]])  # of three exams
+        for grades in ([70, -1, 90], [-1, -1, -1]):  # -1: not taken
+            taken = np.flatnonzero(np.array(grades) >= 0)
+            sigma = np.sqrt(C[np.ix_(taken, taken)].sum())
+            print(f"{taken}: the sum has a standard deviation of {sigma:.2f}")
+        """,
+        """
+        [0 2]: the sum has a standard deviation of 2.45
+        []: the sum has a standard deviation of 0.00
+        """,
     ),
     mistakes=catalogue("""
         no root: np.sqrt(innovation @ np.linalg.solve(S, innovation)) => innovation @ np.linalg.solve(S, innovation)
@@ -651,6 +700,22 @@ ASSOCIATE = Exercise(
     hints=(
         "First build a table of distances, one row for each measurement and one column for each landmark, with np.inf where the kinds differ. Then choose from it.",
         "np.unravel_index(distances.argmin(), distances.shape) is the closest pair. Store it, set its row and column to np.inf, and repeat while the smallest distance is at most the gate.",
+    ),
+    sibling=Sibling(
+        "Taxis get groups of people as measurements get landmarks: pairs that do not fit are never compared, the closest pair comes first, each partner is used once, and 10 minutes are the gate.",
+        """
+        import numpy as np
+
+        seats, people = [4, 6, 4], [2, 5, 3]
+        minutes = np.array([[3, 1, 8], [2, 12, 4], [5, 6, 7]])  # of taxi i to group j
+        fits = [(int(minutes[i, j]), i, j) for i in range(3) for j in range(3) if seats[i] >= people[j]]
+        taxi_of = [-1, -1, -1]
+        for time, i, j in sorted(fits):
+            if time <= 10 and taxi_of[j] < 0 and i not in taxi_of:
+                taxi_of[j] = i
+        print(taxi_of)  # the only taxi with 6 seats needs 12 minutes
+        """,
+        "[1, -1, 2]",
     ),
     mistakes=catalogue("""
         any kind: kind == seen.kind => True
@@ -1003,6 +1068,22 @@ EKF_SLAM = Exercise(
         "move is one call of predict. In use_compass the gain is a column of P divided by one number. number associates the whole picture first and then examines each measurement without a landmark, always with the state from before the first new landmark.",
         "A measurement is new if even associate(..., [that one], seen.part([i]).covariance, 3 * self.gate) returns -1; then call add_landmark with VAGUE times that covariance, and give it a number and a kind. In correct, the expected ranges are expected_measurement(...)[1] of the landmarks in self.indices, and seen.part(used).linearised_at(them) returns the arguments of update_landmarks.",
     ),
+    sibling=Sibling(
+        "New products are like new landmarks: all decisions about one delivery are made with the list as it was before this delivery, because with the growing list the second new product would be mistaken for the first one.",
+        """
+        known = [10.0, 20.0]
+        for delivery in ([10.2, 30.1, 32.0], [31.9]):
+            before = tuple(known)
+            for weight in delivery:
+                if all(abs(weight - other) > 3 for other in before):
+                    known.append(weight)
+            print(known)
+        """,
+        """
+        [10.0, 20.0, 30.1, 32.0]
+        [10.0, 20.0, 30.1, 32.0]
+        """,
+    ),
     mistakes=[
         *catalogue("""
         from zeros: start.as_array() => np.zeros(3)
@@ -1351,6 +1432,18 @@ GRAPH_SLAM = Exercise(
     hints=(
         "Let an EkfSlam choose the landmarks (its `indices`), and store one edge for each motion, measurement and heading. A landmark's number among all unknowns depends on the number of poses, which is known only in estimate: store the landmark's own number until then.",
         "The landmark's place in the robot frame is landmark_position(np.zeros(3), (bearing, range)). With the measurement's Jacobian J from landmark_jacobians at the same pose, the edge's information is the inverse of J R Jᵀ. In H[3:, 3:] everything is three places earlier than in the states.",
+    ),
+    sibling=Sibling(
+        "A figure's place in a list depends on the number of chapters, as a landmark's place depends on the number of poses, so each figure keeps its own number until all chapters are known.",
+        """
+        chapters, links = ["Start"], []
+        for title, figure in (("Camera", 0), ("Map", 1), ("End", 0)):
+            chapters.append(title)
+            links.append((len(chapters) - 1, figure))  # the chapter's place is final, the figure's is not
+        places = [(chapter, len(chapters) + figure) for chapter, figure in links]
+        print(places)  # in one list: all chapters, then all figures
+        """,
+        "[(1, 4), (2, 5), (3, 4)]",
     ),
     mistakes=[
         *catalogue("""

@@ -13,7 +13,18 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.stats import multivariate_normal
 
-from nao_course.exercises import Case, Close, Each, Exact, Exercise, LessonPlan, Property, Question, Written
+from nao_course.exercises import (
+    Case,
+    Close,
+    Each,
+    Exact,
+    Exercise,
+    LessonPlan,
+    Property,
+    Question,
+    Sibling,
+    Written,
+)
 from nao_course.geometry import Pose, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.beyond.particles import LogWeights, systematic
@@ -99,6 +110,17 @@ RESAMPLE = Exercise(
     hints=(
         "The end of each interval is the sum of all weights up to and including its own: np.cumsum. A tooth belongs to the first interval whose end is beyond it.",
         "teeth = (np.arange(n) + rng.random()) / n. np.searchsorted finds the interval of each tooth. The last end can be slightly below 1 because of rounding, so divide all ends by it.",
+    ),
+    sibling=Sibling(
+        "Songs fill a playlist as weights fill the interval from 0 to 1: np.cumsum returns their ends, and np.searchsorted finds the song that is played at a given time.",
+        """
+        import numpy as np
+
+        minutes = np.array([10, 3, 22, 15])
+        until = minutes.cumsum()
+        print(until, np.searchsorted(until, [0, 12, 15, 30, 45], side="right"))
+        """,
+        "[10 13 35 50] [0 1 2 2 3]",
     ),
     mistakes=catalogue("""
         each tooth drawn: (np.arange(n) + rng.random()) / n => np.sort(rng.random(n))
@@ -260,6 +282,22 @@ WEIGH = Exercise(
         "nu has one row for each particle: the difference of the bearings, wrapped, and the difference of the ranges. The expected bearing is the arctan2 of the offset from particle to landmark, minus the particle's heading.",
         "The quadratic form of each row is np.sum(nu @ np.linalg.inv(R) * nu, axis=1). The second term is a single number: np.log(np.linalg.det(2 * np.pi * R)).",
     ),
+    sibling=Sibling(
+        "A quadratic form for each row needs the products of the rows with the matrix, times the rows, added up along each row.",
+        """
+        import numpy as np
+
+        M = np.array([[2.0, 0.5], [0.5, 1.0]])
+        speeds = np.array([[1.0, 0.0], [0.0, 3.0], [2.0, -1.0]])
+        momenta = speeds @ M
+        print((momenta * speeds).sum(axis=1) / 2)
+        print([float(v @ M @ v) / 2 for v in speeds])
+        """,
+        """
+        [1.  4.5 3.5]
+        [1.0, 4.5, 3.5]
+        """,
+    ),
     mistakes=catalogue("""
         no wrap: warp2pi(measurement[0] - bearings) => measurement[0] - bearings
             Your difference of bearings is not wrapped. A difference of 6.2 rad is nearly zero as a direction, but it makes the weight of a correct particle tiny.
@@ -400,6 +438,21 @@ UPDATE_PARTICLE_LANDMARK = Exercise(
     hints=(
         "This is lesson 06's update with the landmark as the state. H is measurement_jacobian_landmark alone, because the pose is assumed to be true.",
         "Compute nu, H, S and K, then the three results, each in one line. The log weight uses S and the nu from before the update.",
+    ),
+    sibling=Sibling(
+        "How probable a measurement was is computed with the prediction from before the measurement, and the variance of their difference is the sum of both variances.",
+        """
+        import numpy as np
+
+        rng = np.random.default_rng(4)
+        mean, variance, noise, measured = 12.0, 4.0, 1.0, 15.0  # a temperature
+        density = np.exp(-((measured - mean) ** 2) / (2 * (variance + noise)))
+        density /= np.sqrt(2 * np.pi * (variance + noise))
+        readings = rng.normal(mean, np.sqrt(variance), 400000) + rng.normal(0, np.sqrt(noise), 400000)
+        near = np.mean(np.abs(readings - measured) < 0.1) / 0.2
+        print(f"{density:.2f}, and by counting {near:.2f}")
+        """,
+        "0.07, and by counting 0.07",
     ),
     mistakes=catalogue("""
         no wrap: warp2pi(nu[0]) => nu[0]
@@ -616,6 +669,18 @@ INTERSECT_RAYS = Exercise(
         "Let B be the vector from origin a to origin b, and c the dot product of the directions. Equation 12.5 becomes two lines in t_a and t_b, because each direction times itself is 1.",
         "t_a = (B.d_a - c B.d_b) / (1 - c^2) and t_b = (c B.d_a - B.d_b) / (1 - c^2). Then compute the two points, their midpoint and their distance.",
     ),
+    sibling=Sibling(
+        "At the closest point a small change along the direction does not change the distance, so a dot product is zero, and this is an equation for the unknown factor: here for two ships.",
+        """
+        import numpy as np
+
+        apart, closing = np.array([6.0, 2.0]), np.array([-3.0, 1.0])  # km, and km/h of one seen from the other
+        hours = -(apart @ closing) / (closing @ closing)  # (apart + hours closing) . closing = 0
+        nearest = apart + hours * closing
+        print(f"{np.linalg.norm(nearest):.2f} km after {hours:.1f} h", round(abs(nearest @ closing), 6))
+        """,
+        "3.79 km after 1.6 h 0.0",
+    ),
     mistakes=catalogue("""
         on the first ray: (a + b) / 2 => a
             Your point is on the first ray. Both rays are equally uncertain, so return the midpoint between them.
@@ -776,6 +841,17 @@ FIND_FRONTIERS = Exercise(
         "Compare the grid with copies of itself that are shifted by one cell to each of the four sides. Cells that come in from outside are not unknown.",
         "np.pad(grid == -1, 1) adds a border of False, and then padded[:-2, 1:-1] is the row above each cell.",
     ),
+    sibling=Sibling(
+        "An array is compared with shifted copies of itself, and a border is added first so that every element has neighbours: here peaks of a path through hills.",
+        """
+        import numpy as np
+
+        height = np.array([5.0, 3.0, 4.0, 8.0, 8.5, 2.0, 6.0])
+        padded = np.pad(height, 1, constant_values=-np.inf)
+        print((height > padded[:-2]) & (height > padded[2:]))
+        """,
+        "[ True False False False  True False  True]",
+    ),
     mistakes=catalogue("""
         corners too: unknown[1:-1, 2:] => unknown[1:-1, 2:] | unknown[:-2, :-2] | unknown[:-2, 2:] | unknown[2:, :-2] | unknown[2:, 2:]
             You also count diagonal neighbours. A cell has four neighbours: left, right, above and below.
@@ -901,6 +977,22 @@ TRAVEL_STEPS = Exercise(
     hints=(
         "Keep a list of cells that have been reached, but whose neighbours have not been visited yet. Process the cells in the order in which they were reached.",
         "Start with wave = [start]. Take wave.pop(0), give each free neighbour that still has -1 one step more than the cell, and append this neighbour to wave.",
+    ),
+    sibling=Sibling(
+        "What is reached first is processed first, and everybody who is reached for the first time gets one step more than the person before: here friends of friends.",
+        """
+        knows = {"Ann": ["Ben", "Eva"], "Ben": ["Ann", "Cem"], "Eva": ["Cem"], "Cem": ["Dan"], "Fay": []}
+        steps = {"Ann": 0}
+        waiting = ["Ann"]
+        while waiting:
+            person = waiting.pop(0)
+            for friend in knows.get(person, []):
+                if friend not in steps:  # a later, longer way does not count
+                    steps[friend] = steps[person] + 1
+                    waiting.append(friend)
+        print(steps)  # nobody leads to Fay
+        """,
+        "{'Ann': 0, 'Ben': 1, 'Eva': 1, 'Cem': 2, 'Dan': 3}",
     ),
     mistakes=catalogue("""
         diagonal steps: (row, column - 1)): => (row, column - 1), *((row + i, column + j) for i in (1, -1) for j in (1, -1))):
@@ -1121,6 +1213,22 @@ CHOOSE_MOVE = Exercise(
     hints=(
         "Let the filter compute the covariance after each option: predict with the option's control, then update_landmarks with the measurements that the option expects. Do not change the real state.",
         "The sum is P[0, 0] + P[1, 1] of the covariance after both steps. np.argmin returns the first of several equal values. If an option shows no landmarks, skip the update.",
+    ),
+    sibling=Sibling(
+        "Each option is tried on its own copy of the present state, and the index of the best result is returned: here the variance of a position after a walk with or without a signpost.",
+        """
+        import numpy as np
+
+
+        def after(variance, walk, sign):
+            variance = variance + walk  # a new number: the given one stays as it is
+            return 1 / (1 / variance + 1 / sign) if sign else variance
+
+
+        results = [after(0.5, walk, sign) for walk, sign in ((0.1, None), (0.8, 0.2), (0.3, 2.0))]
+        print(np.round(results, 3), int(np.argmin(results)))
+        """,
+        "[0.6   0.173 0.571] 1",
     ),
     mistakes=catalogue("""
         the largest: np.argmin => np.argmax

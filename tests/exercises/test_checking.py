@@ -218,13 +218,27 @@ def test_unknown_names_are_answered_with_the_known_ones_and_hints_come_one_after
     assert "['why']" in repr(check.question("how"))
     with pytest.raises(ValueError, match="no lesson '77_none'"):
         checking.lesson("77_none")
-    check.hint("clamp")  # a notebook shows the last line's value only
-    both = check.hint("clamp")._repr_html_()
-    assert both.index("Hint 1 of 2: Which of the three") < both.index("Hint 2 of 2")
-    again = repr(check.hint("clamp"))
+    check.hint("mean_of_positive")  # a notebook shows the last line's value only
+    both = check.hint("mean_of_positive")._repr_html_()
+    assert both.index("Hint 1 of 2: A mask selects.") < both.index("Hint 2 of 2") and "<pre" not in both
+    again = repr(check.hint("mean_of_positive"))
     assert again.startswith("Hint 2 of 2") and "Hint 1" not in again
-    first = repr(check.hint("mean_of_positive"))
+    assert "This is the last hint. If it is not enough, read the text above the exercise" in again
+    first = repr(check.hint("clamp"))
     assert first.startswith("Hint 1") and "Call hint again" in first
+
+
+def test_the_third_hint_is_a_solved_problem_with_its_code_and_what_it_prints(check):
+    text = "Hint 3 of 3, a solved problem: A shift is at least 4 and at most 8 hours long. This is the last hint."
+    code = 'for hours in (2, 9):\n    if hours < 4 or hours > 8:\n        print(hours, "is refused")'
+    output = "# It prints:\n# 2 is refused\n# 9 is refused"
+    for _ in range(2):
+        assert code not in repr(check.hint("clamp"))
+    for _ in range(2):  # it is repeated
+        third = repr(check.hint("clamp"))
+        assert third.startswith(text) and third.endswith(f"\n\n{code}\n\n{output}")
+    html = check.hint("clamp")._repr_html_()
+    assert html.count("<pre") == 2 and "hours &lt; 4 or" in html and f">{output}</pre>" in html
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="an interrupt is a signal")

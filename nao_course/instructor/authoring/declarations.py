@@ -15,7 +15,15 @@ from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.comparison import Comparison
 from nao_course.exercises.comparisons.values import Between
 from nao_course.exercises.earlier import in_words, split_use
-from nao_course.exercises.exercise import Exercise, LessonPlan, Mistake, PublicExercise, Question, Written
+from nao_course.exercises.exercise import (
+    Exercise,
+    LessonPlan,
+    Mistake,
+    PublicExercise,
+    Question,
+    Sibling,
+    Written,
+)
 from nao_course.exercises.running import find_driver
 
 MOST_SECONDS = 60.0  # of one call: a submission has 120 s for everything
@@ -65,6 +73,13 @@ _EXERCISE: _Rules = {
     "public": (callable, "a function that takes nothing and returns a list of Case"),
     "hidden": (callable, "a function that takes a random generator and returns a list of Case"),
     "hints": (lambda value: _are_texts(value) and len(value) == 2, "two texts, ('Where to look.', 'How.')"),
+    "sibling": (
+        lambda value: (
+            value is None
+            or (isinstance(value, Sibling) and all(map(_is_text, (value.alike, value.code, value.output))))
+        ),
+        "Sibling('What is alike.', 'print(1)', '1')",
+    ),
     "mistakes": (_are(Mistake), "a list of Mistake"),
     "alternatives": (
         lambda value: (

@@ -297,6 +297,7 @@ def publish_exercise(
         earlier=list({encode(each): each for each in calls.made}.values()),
         uses=list(exercise.uses),
         pairs=found,
+        sibling=exercise.sibling,
     )
 
 

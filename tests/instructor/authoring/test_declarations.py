@@ -4,7 +4,17 @@ from dataclasses import replace
 
 import pytest
 
-from nao_course.exercises import Case, Close, LessonPlan, Mistake, Points, Property, Question, Written
+from nao_course.exercises import (
+    Case,
+    Close,
+    LessonPlan,
+    Mistake,
+    Points,
+    Property,
+    Question,
+    Sibling,
+    Written,
+)
 from nao_course.instructor.authoring.declarations import WAIVABLE, declaration_problems
 from nao_course.instructor.authoring.plans import PlanError, load_plan
 
@@ -17,6 +27,7 @@ OF_AN_EXERCISE = {
     "public": [[Case((1.0,))], None],
     "hidden": [[], None],
     "hints": ["Look here.", ("One.",), ("One.", ""), ("1", "2", "3"), None, (1, 2)],
+    "sibling": ["print(1)", Sibling("Alike.", "print(1)", ""), Sibling("", "print(1)", "1")],
     "mistakes": [FINE, (("a", abs, "m"),), None],
     "alternatives": [[abs], {"a": 3}, {"": abs}, None],
     "comparison": [Close, None, "Close()"],

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nao_course.exercises import Case, Exercise, LessonPlan, Mistake, Question
+from nao_course.exercises import Case, Exercise, LessonPlan, Mistake, Question, Sibling
 
 CLAMP = Exercise(
     name="clamp",
@@ -12,6 +12,18 @@ CLAMP = Exercise(
     ],
     hidden=lambda rng: [Case((float(x), -1.5, 0.75)) for x in (-9, 9, 0, *rng.normal(0, 2, 5))],
     hints=("Which of the three is in the middle?", "The smaller of x and high, but at least low."),
+    sibling=Sibling(
+        "A shift is at least 4 and at most 8 hours long.",
+        """
+        for hours in (2, 9):
+            if hours < 4 or hours > 8:
+                print(hours, "is refused")
+        """,
+        """
+        2 is refused
+        9 is refused
+        """,
+    ),
     mistakes=[
         Mistake("low only", lambda x, low, high: max(low, x), "Too large an x stays as it is."),
         Mistake("high only", lambda x, low, high: min(high, x), "Too small an x stays as it is."),
