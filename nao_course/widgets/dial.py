@@ -103,6 +103,7 @@ class RealityDial:
         )
         sliders = box("V", "nao-controls", box("H", "nao-presets", *buttons), self._tilt, folds)
         self.widget = lay_out(CSS + _CSS, self._row.widget, [sliders], self._said)
+        self.widget.add_class("nao-tall-side")
         self._show()
 
     # --- from code ---
