@@ -97,11 +97,8 @@ def test_in_a_narrow_column_the_letters_of_a_figure_stay_readable_and_it_scrolls
     page.set_viewport_size({"width": 900, "height": 700})
     run_notebook(lab, page, "narrow.ipynb", WIDE, WIDE_PHOTO, WIDER)
     figures = page.locator("img.nao-figure")
-    for shown_as, smallest in (
-        (figures.first, 9),
-        (figures.last, 9),
-        (page.locator(".nao-photos img"), 12),
-    ):  # pt
+    points = (figures.first, 9), (figures.last, 9), (page.locator(".nao-photos img"), 12)
+    for shown_as, smallest in points:
         drawn, shown, place, scrolled = shown_as.evaluate(_WIDTHS)
         assert place < 600 and smallest * 100 / 72 * shown / drawn >= 8.5  # px
         assert scrolled >= shown - 1 and page.evaluate("document.documentElement.scrollWidth") == 900
