@@ -27,6 +27,7 @@ _NUMBER = re.compile(
 )
 
 
+LEAST = 0.72  # of a drawing's width, in a narrow column: letters of 9 points are still 9 px high
 NO_PHOTO = "drawn"  # matplotlib's name (gid) of an image that is a drawing itself
 
 
@@ -104,7 +105,7 @@ class Drawing:
         data = self.image("jpeg") if self.photo else _with_few_colours(self.image())
         kept = [np.array(box.extents) for box in self._in_true_colours()]
         if not kept:
-            return image_tag(data, alt, kind, name="nao-figure")
+            return image_tag(data, alt, kind, name="nao-figure", least=LEAST * self.figure.bbox.width)
         around = f'<span class="nao-around" style="clip-path: {_around(kept, np.array(self.figure.bbox.size))}"></span>'
         return f'<div class="nao-photos">{image_tag(data, alt, kind)}{around}</div>'
 
@@ -153,12 +154,16 @@ def _with_few_colours(png: bytes) -> bytes:
     return buffer.getvalue()
 
 
-def image_tag(data: bytes, alt: str, kind: str, *, name: str = "") -> str:
-    """Return an HTML image with embedded data; `kind` is "png" or "jpeg", and `name` its class for style sheets."""
+def image_tag(data: bytes, alt: str, kind: str, *, name: str = "", least: float = 0.0) -> str:
+    """Return an HTML image with embedded data; `kind` is "png" or "jpeg", and `name` its class for style sheets.
+
+    In a narrow column of JupyterLab it keeps a width of `least` px, if that is more than the style sheet's width.
+    """
     encoded = base64.b64encode(data).decode("ascii")
     source = f"data:image/{kind};base64,{encoded}"
     named = f' class="{name}"' if name else ""
-    return f'<img{named} alt="{html.escape(alt, quote=True)}" style="max-width: 100%" src="{source}">'
+    kept = f"; --nao-wider: {least:.0f}px" if least else ""
+    return f'<img{named} alt="{html.escape(alt, quote=True)}" style="max-width: 100%{kept}" src="{source}">'
 
 
 @dataclass(frozen=True)

@@ -103,6 +103,7 @@ class RealityDial:
         )
         sliders = box("V", "nao-controls", box("H", "nao-presets", *buttons), self._tilt, folds)
         self.widget = lay_out(CSS + _CSS, self._row.widget, [sliders], self._said)
+        self.widget.add_class("nao-tall-side")
         self._show()
 
     # --- from code ---
@@ -186,15 +187,15 @@ class RealityDial:
         return slider
 
     def _slid(self, name: str, change: Any) -> None:
-        rounded = abs(change["new"] - getattr(self.reality, name)) < 0.6 * change["owner"].step
-        if not self._moving_sliders and not rounded:  # a browser rounds each slider once it shows it
+        if not self._moving_sliders and not _is_rounded(change, getattr(self.reality, name)):
             changes: dict[str, Any] = {name: float(change["new"])}
             self.reality, self._moved = replace(self.reality, **changes), _WORDS[name]
             self._newest.ask()
 
     def _tilted(self, change: Any) -> None:
-        self.tilt, self._moved = float(np.radians(change["new"])), _TILT_WORDS
-        self._newest.ask()
+        if not _is_rounded(change, float(np.degrees(self.tilt))):
+            self.tilt, self._moved = float(np.radians(change["new"])), _TILT_WORDS
+            self._newest.ask()
 
     def _put(self, reality: Reality) -> None:
         """Set the effects, move the sliders, and render one picture."""
@@ -209,3 +210,8 @@ class RealityDial:
         place_beside(self.widget, self._row.ratio)
         label, meaning = self._moved or ("", "")
         self._said.value = status_box(f"{label}: {meaning}" if label else "", self.summary())
+
+
+def _is_rounded(change: Any, value: float) -> bool:
+    """Return whether a slider has only rounded its value, as a browser does once it shows it."""
+    return bool(abs(change["new"] - value) < 0.6 * change["owner"].step)

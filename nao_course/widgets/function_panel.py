@@ -114,6 +114,7 @@ class FunctionPanel:
     """
 
     css = ""  # further styles of a subclass
+    wide_controls = False  # whether the controls below wide pictures have a line of their own
 
     def __init__(
         self,
@@ -326,9 +327,12 @@ class FunctionPanel:
         self._lay_pads(list(self._row.titles))
         self._legend.value = "".join(each._repr_html_() for each in self._shown.legends)
         self._table.value = self._shown.tables_html()
-        switch(
-            self._beside, "nao-empty", not (self._small_row.titles or self._legend.value or self._table.value)
-        )
+        for part, is_empty in (
+            (self._small_row.widget, not self._small_row.titles),
+            (self._table, not self._table.value),
+            (self._legend, not self._legend.value),
+        ):
+            switch(part, "nao-empty", is_empty)
         self._status.value = self._say_status()
 
     def _lay_pads(self, titles: list[str]) -> None:
@@ -386,9 +390,11 @@ class FunctionPanel:
         sliders = [self._widgets[name] for name, each in self._controls.items() if _slides(each)]
         choices = box("H", "nao-choices", *self._small_controls(), *self._key_line())
         controls = box("V", "nao-controls", choices, box("", "nao-sliders", *sliders))
-        self._beside = box("V", "nao-beside-controls", self._small_row.widget, self._legend, self._table)
-        side = [controls, self._beside]
-        self.widget = lay_out(CSS + _CSS + self.css, self._row.widget, side, self._status)
+        switch(controls, "nao-wide", self.wide_controls)
+        group = box("V", "nao-group", self._small_row.widget, self._table)
+        self.widget = lay_out(
+            CSS + _CSS + self.css, self._row.widget, [controls, group], self._legend, self._status
+        )
         self.widget.add_class("nao-function")
 
     def _small_controls(self) -> list[Any]:

@@ -14,8 +14,8 @@ from nao_course.widgets.parts import LabelledImage, box, html_line
 from nao_course.widgets.shown import encoded
 
 # px, of a picture's height on the page. Pictures wrap into the next line where they would be lower than the first
-# number; the second one keeps a panel on a laptop's screen.
-LARGE, SMALL = (260, 510), (120, 260)
+# number; none is higher than the second one, nor than the layout of its panel allows.
+LARGE, SMALL = (260, 510), (120, 220)
 ENLARGED = 1.25  # times: figures become blurred if they are enlarged more than that
 CSS = """
 .nao-pictures { gap: 8px; flex-wrap: wrap; overflow: visible; margin: 0; }
@@ -55,7 +55,8 @@ class Place:
         height, width = pixels.shape[:2]
         shortest, tallest = self._heights
         highest = min(tallest, ENLARGED * height) if is_figure else tallest
-        column.layout.width = column.layout.max_width = f"{highest * width / height:.0f}px"
+        widest = f"calc({width / height:.4f} * min({highest:.0f}px, var(--nao-tallest, 100vh)))"
+        column.layout.width = column.layout.max_width = widest
         # Factors of growth whose sum is less than 1 would leave a part of the width empty.
         column.layout.flex = f"{100 * width / height:.0f} 1 {shortest * width / height:.0f}px"
         switch(column, "nao-photo", not is_figure)

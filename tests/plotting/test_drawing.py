@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from nao_course.plotting import Drawing, draw_labels, draw_map, draw_picture, table
@@ -76,3 +77,10 @@ def test_a_drawing_is_marked_for_dark_pages_and_a_photograph_in_it_is_left_out()
     rows, columns = np.nonzero((pixels[..., 0] > 200) & (pixels[..., 1] < 60))
     found = columns.min() / width, (columns.max() + 1) / width, rows.min() / height, (rows.max() + 1) / height
     np.testing.assert_allclose(np.array([left, right, top, bottom]) / 100, found, atol=0.006)
+
+
+@pytest.mark.parametrize("inches", [4.0, 14.4])
+def test_letters_of_9_points_are_9_px_high_in_a_drawing_that_a_narrow_column_makes_smaller(inches):
+    shown = Drawing(Figure(figsize=(inches, 2)), "a figure")._repr_html_()
+    (least,) = map(float, re.findall(r"--nao-wider: (\d+)px", shown))
+    assert 9.0 <= 9 * 100 / 72 * least / (100 * inches) < 9.1

@@ -169,6 +169,23 @@ def test_pictures_tables_and_sentences_are_shown_and_summed_up_and_a_figures_wor
     assert image(FunctionPanel("One", lambda values, student: drawing, [LEVEL]), 0).alt == drawing.alt
 
 
+def test_a_legend_table_or_row_of_small_pictures_without_contents_takes_no_place():
+    def show(values, student):
+        yield NOISE
+        if values.level > 100:
+            yield Legend({"bright": "#ffffff"})
+        else:
+            yield table(["level"], [[str(values.level)]])
+
+    panel = FunctionPanel("One", show, [LEVEL])
+    parts = {"nao-legend", "nao-scores", "nao-pictures"}
+    for level, shown in ((50, "nao-scores"), (200, "nao-legend")):
+        panel.set(level=level)
+        _, side = panel.widget.children[1].children
+        empty = [set(each._dom_classes) for each in all_widgets(side) if "nao-empty" in each._dom_classes]
+        assert set().union(*empty) & parts == parts - {shown}
+
+
 def test_controls_are_beside_one_picture_and_below_two_and_small_pictures_are_among_the_controls():
     def pictures(values, student):
         return {str(number): NOISE for number in range(values.count)}

@@ -50,6 +50,8 @@ class GraphPanel(PlayerPanel):
         Your functions, as in exercises 8.1 to 8.4.
     """
 
+    wide_controls = True
+
     def __init__(
         self,
         add_initial_position: Function,
@@ -93,7 +95,7 @@ class GraphPanel(PlayerPanel):
                 ),
             ],
             speeds={"5 a second": 5.0},
-            drawn=("Your Omega",),
+            drawn=("Your Omega", "Your map"),
             backwards=False,
             student={
                 "add_initial_position": add_initial_position,

@@ -119,8 +119,8 @@ def _histogram_paper() -> Pixels:
     figure.set_layout_engine("none")
     ax = figure.add_axes((LEFT / WIDTH, 1 - BOTTOM / HEIGHT, (RIGHT - LEFT) / WIDTH, (BOTTOM - TOP) / HEIGHT))
     ax.set(xlim=(0, 256), xticks=(0, 50, 100, 150, 200, 250), yticks=())
-    ax.set_xlabel("lightness", fontsize=12)
-    ax.tick_params(labelsize=11)
+    ax.set_xlabel("lightness", fontsize=15, labelpad=1)
+    ax.tick_params(labelsize=15, pad=2)
     ax.spines["left"].set_visible(False)
     return _painted(figure)
 
@@ -134,7 +134,7 @@ def _circle_paper() -> Pixels:
     for degrees in range(0, 360, 60):
         u, v = _place(degrees, OUTER + 34.0)
         side = {0: "left", 180: "right"}.get(degrees, "center")
-        figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=11.5, ha=side, va="center")
+        figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=15, ha=side, va="center")
     paper = _painted(figure)
     for degrees in range(0, 360, 2):
         line = [_places([degrees, degrees + 2], INNER - 7.0)]

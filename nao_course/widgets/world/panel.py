@@ -29,7 +29,9 @@ class WorldPanel(FunctionPanel):
 
     css = """
 .nao-function .nao-world-main { overflow: visible; align-items: stretch; }
-@container (max-width: 860px) { .nao-beside.nao-function .nao-body { grid-template-columns: minmax(0, 1fr); } }
+@container (max-width: 860px) {
+  .nao-beside .nao-body:has(> .nao-world-main) { grid-template-columns: minmax(0, 1fr); }
+}
 """
 
     def __init__(self, title: str, world: WorldView, show: Show, *controls: Any, **options: Any) -> None:

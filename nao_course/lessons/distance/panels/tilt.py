@@ -108,6 +108,7 @@ class TiltPanel(FunctionPanel):
                 "ground_to_measurement": "Finish exercise 4.1 to see points on the map.",
                 "measurement_covariance": "Finish exercise 4.6 to see the ellipses.",
             },
+            drawn=("Your map",),
         )
 
     def _measure(self, values: Any, student: Any) -> Iterator[Any]:
