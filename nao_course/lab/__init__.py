@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 __all__ = ["command", "environment", "on_a_hub"]
 
@@ -15,7 +17,7 @@ HERE = Path(__file__).parent
 # Bytes of one message: a phone's photo comes in one. Of more than 10 MB, its own limit, JupyterLab's server says
 # nothing and closes the connection.
 LARGEST_MESSAGE = 60_000_000
-
+_HAS_RUN = re.compile(rb'"execution_count": *[0-9]')
 
 # Over TCP, every user of the hub's server could read a kernel's outputs, because its ports ask for no password.
 _ON_A_HUB = ("--KernelManager.transport=ipc", "--LabApp.extension_manager=readonly")
@@ -27,7 +29,9 @@ def on_a_hub(inherited: Mapping[str, str] = os.environ) -> bool:
 
 
 def command(folder: Path, arguments: Sequence[str] = (), *, hub: bool | None = None) -> list[str]:
-    """Return the command that opens a folder in JupyterLab.
+    """Return the command that opens a folder in JupyterLab, and in it the lesson that the student goes on with.
+
+    The lesson is alone on the page, without the list of files. A hub opens what it is configured to.
 
     Parameters
     ----------
@@ -51,15 +55,29 @@ def command(folder: Path, arguments: Sequence[str] = (), *, hub: bool | None = N
     if find_spec("jupyterlab") is None:
         raise ModuleNotFoundError("JupyterLab is not installed", name="jupyterlab")
     hub = on_a_hub() if hub is None else hub
-    opened = ("jupyterhub.singleuser", f"--ServerApp.root_dir={folder}", *_ON_A_HUB)
+    if hub:
+        opened = ["jupyterhub.singleuser", f"--ServerApp.root_dir={folder}", *_ON_A_HUB]
+    else:
+        lesson = lesson_to_open(folder)
+        page = [f"--LabApp.default_url=/doc/tree/{quote(lesson.name)}"] if lesson else []
+        opened = ["jupyterlab", str(folder), *page]
     return [
-        *(sys.executable, "-m", *(opened if hub else ("jupyterlab", str(folder)))),
+        *(sys.executable, "-m", *opened),
         f"--LabApp.app_settings_dir={HERE / 'settings'}",
         "--LabApp.custom_css=True",
         "--ServerApp.jpserver_extensions={'nao_course.lab': True}",
         f"--ServerApp.tornado_settings={{'websocket_max_message_size': {LARGEST_MESSAGE}}}",
         *arguments,
     ]
+
+
+def lesson_to_open(folder: Path) -> Path | None:
+    """Return the lesson of a folder that was saved last after a cell had run, else the first lesson, or None."""
+    from nao_course.exercises.lesson_names import PATTERN  # NumPy comes with it
+
+    lessons = sorted(folder.glob(f"{PATTERN}.ipynb"))
+    begun = [path for path in lessons if _HAS_RUN.search(path.read_bytes())]
+    return max(begun, key=lambda path: path.stat().st_mtime_ns, default=next(iter(lessons), None))
 
 
 def _jupyter_server_extension_points() -> list[dict[str, str]]:

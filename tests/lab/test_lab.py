@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 from pathlib import Path
@@ -34,6 +35,21 @@ def test_jupyterlab_is_given_the_courses_settings_and_further_arguments():
     assert news["fetchNews"] == "false"
 
 
+def test_the_lesson_that_was_run_and_saved_last_is_opened_and_at_first_the_first(tmp_path):
+    assert "default_url" not in str(lab.command(tmp_path, hub=False))
+    for number, name in enumerate(("00_meet", "01_filter", "02_posts", "my notes")):
+        cell = nbformat.v4.new_code_cell("1")
+        nbformat.write(nbformat.v4.new_notebook(cells=[cell]), tmp_path / f"{name}.ipynb")
+        os.utime(tmp_path / f"{name}.ipynb", (number, number))
+    assert "--LabApp.default_url=/doc/tree/00_meet.ipynb" in lab.command(tmp_path, hub=False)
+    cell.execution_count = 3
+    for name in ("02_posts", "01_filter"):
+        nbformat.write(nbformat.v4.new_notebook(cells=[cell]), tmp_path / f"{name}.ipynb")
+    os.utime(tmp_path / "01_filter.ipynb", (5, 5))
+    assert lab.lesson_to_open(tmp_path) == tmp_path / "02_posts.ipynb"
+    assert "default_url" not in str(lab.command(tmp_path, hub=True))
+
+
 def test_the_keys_that_drive_the_robot_neither_cut_nor_delete_a_cell_beside_its_panel():
     overrides = json.loads((PACKAGE / "lab" / "settings" / "overrides.json").read_text())
     ours = overrides["@jupyterlab/shortcuts-extension:shortcuts"]["shortcuts"]
@@ -62,7 +78,7 @@ def test_on_a_hub_the_same_settings_open_a_server_that_the_hub_knows_and_whose_k
     assert "--KernelManager.transport=ipc" in arguments
     monkeypatch.delenv("JUPYTERHUB_SERVICE_URL")
     at_home = lab.command(Path("notebooks"))[1:]
-    assert [each for each in at_home if each.startswith("--")] == arguments[5:]
+    assert [each for each in at_home if each.startswith("--")][1:] == arguments[5:]  # without the lesson
     assert not any("transport" in each for each in at_home)
 
 
