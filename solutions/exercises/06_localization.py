@@ -828,7 +828,7 @@ PLAN = LessonPlan(
             "explain_band",
             points=2,
             question="Why does the 95 % band hold for one step over many drives, but not for one drive over its steps? Give the three numbers of your own drives.",
-            rubric="1 point: the band holds for the mean of independent values, and different drives are independent. 1 point: the NEES of neighbouring steps of one drive is correlated, because the error of a pose carries over from step to step; so a drive has far fewer independent values than steps, and its mean varies more. Subtract half a point if the three numbers of the personal world are missing.",
+            rubric="1 point: the band holds for the mean of independent values, and different drives are independent. 1 point: the errors of neighbouring steps of one drive are correlated, because the error of a pose carries over from step to step; so a drive has far fewer independent values than steps, and its mean varies more. Subtract half a point if the three numbers of the personal world are missing.",
             numbers=personal_numbers,
         )
     ],

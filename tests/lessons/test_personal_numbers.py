@@ -45,7 +45,7 @@ def conclusion_holds(number, found):
         return first > 1.4 * second
     if number == "06":  # over all drives the filter is consistent, but the means of the drives vary too much
         low, high = band(3, 40)
-        return low < first < high and second > 1.1 * np.sqrt(2 * 3 / 30) and third[0] > 0.15
+        return low < first < high and second > 1.1 * np.sqrt(2 * 3 / 30) and third[0] > 0.4
     return second > 1.25 * first and third[0] > 20  # exploring shows more and costs certainty
 
 

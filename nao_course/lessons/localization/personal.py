@@ -19,17 +19,18 @@ def personal_numbers(
     predict_pose: Callable[..., Any],
     predict_covariance: Callable[..., Any],
 ) -> dict[str, float]:
-    """Return the mean NEES of forty drives, the standard deviation of the means of each, and the steps' correlation."""
+    """Return the mean NEES of forty drives, the standard deviation of each drive's mean, and how errors carry over."""
     first = world.seed("06: drives")
     traces = follow_many(range(first, first + DRIVES), localize, predict_pose, predict_covariance)
     nees = np.array([trace.nees[1:] for trace in traces])
+    errors = np.array([np.hypot(*trace.errors[1:, :2].T) for trace in traces])
     independent = np.sqrt(2 * 3 / nees.shape[1])
     return {
         "mean NEES": float(nees.mean()),
         f"standard deviation of the mean of a drive ({independent:.3f} with independent steps)": float(
             nees.mean(axis=1).std(ddof=1)
         ),
-        "correlation of the NEES of a step and the next": float(
-            np.corrcoef(nees[:, :-1].ravel(), nees[:, 1:].ravel())[0, 1]
+        "correlation of the position errors of a step and the next": float(
+            np.corrcoef(errors[:, :-1].ravel(), errors[:, 1:].ravel())[0, 1]
         ),
     }
