@@ -46,7 +46,7 @@ def conclusion_holds(number, found):
     if number == "06":  # over all drives the filter is consistent, but the means of the drives vary too much
         low, high = band(3, 40)
         return low < first < high and second > 1.1 * np.sqrt(2 * 3 / 30) and third[0] > 0.4
-    return second > 1.25 * first and third[0] > 20  # exploring shows more and costs certainty
+    return second > 1.1 * first and third[0] > 20  # exploring shows more and costs certainty
 
 
 @each_lesson
