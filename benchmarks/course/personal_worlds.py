@@ -1,7 +1,8 @@
 """How often the numbers of a personal world accuse a student by chance, and how many copied answers are found.
 
-``python -m benchmarks personal_worlds`` draws classes of answers to the question of lesson 07. Own answers have both
-numbers wrong by up to 30 %; copied answers have the numbers of another student's world.
+``python -m benchmarks personal_worlds`` draws classes of answers to the questions of five lessons. Own answers have all
+numbers wrong by up to 30 %; copied answers have the numbers of another student's world. Lesson 10 is left out, because
+its thirty pictures for each student take too long.
 """
 
 from __future__ import annotations
@@ -13,24 +14,34 @@ from nao_course._internal.personal_world import EXAMPLE, PersonalWorld
 from nao_course.exercises.earlier import resolved_by
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_solution, solutions_beside
+from nao_course.instructor.personal_numbers import numbers_of
 from nao_course.instructor.reports.answer_numbers import compare_numbers, numbers_in
 
-LESSON = "07_ekf_slam"
 CLASSES = (20, 40, 150)
-DECIMALS = ((2, 2), (3, 2), (4, 3))  # of the two numbers; the lesson's table has three and two
+THREE = ((2, 2, 2), (3, 3, 3))
+DECIMALS = {  # of the numbers; the tables show (3, 2) in lesson 07, and three of each number in the others
+    "01_hsl_filtering": THREE,
+    "04_distance": ((2, 2), (3, 3)),
+    "06_localization": THREE,
+    "07_ekf_slam": ((2, 2), (3, 2), (4, 3)),
+    "12_beyond": THREE,
+}
 ANSWERS = 1000  # of each kind
 
 
-def numbers_of_worlds(many: int) -> dict[str, dict[str, float]]:
-    """Return the numbers of the first personal worlds, and of the example."""
+def numbers_of_worlds(lesson: str, many: int) -> dict[str, dict[str, float]]:
+    """Return the numbers of the first personal worlds of a lesson, and of the example."""
     course = load_course(ROOT)
-    notebook = course.solutions / f"{LESSON}.ipynb"
-    (question,) = (each for each in course.plan(LESSON).written if each.numbers is not None)
+    notebook = course.solutions / f"{lesson}.ipynb"
+    (question,) = (each for each in course.plan(lesson).written if each.numbers is not None)
     assert question.numbers is not None
     with resolved_by(solutions_beside(notebook)):
         solution = load_solution(notebook)
         names = {EXAMPLE: "", **{f"student{number}": f"student{number}" for number in range(many)}}
-        return {shown: dict(question.numbers(PersonalWorld(name), solution)) for shown, name in names.items()}
+        return {
+            shown: dict(numbers_of(PersonalWorld(name), question.numbers, solution))
+            for shown, name in names.items()
+        }
 
 
 def measure(
@@ -59,20 +70,28 @@ def measure(
 
 
 def main() -> Result:
-    """Measure classes of three sizes, with three precisions."""
-    worlds = numbers_of_worlds(max(CLASSES))
+    """Measure classes of three sizes in each lesson, with two or three precisions."""
     chance = np.random.default_rng(0)
     values, rows = {}, []
-    for size in CLASSES:
-        some = dict(list(worlds.items())[: size + 1])
-        for decimals in DECIMALS:
-            shares = measure(some, decimals, chance)
-            kind = " and ".join(map(str, decimals))
-            values[f"{size} students, {kind} decimals"] = shares
-            rows.append((size, kind, *(f"{100 * share:.1f} %" for share in shares.values())))
+    for lesson, precisions in DECIMALS.items():
+        worlds = numbers_of_worlds(lesson, max(CLASSES))
+        for size in CLASSES:
+            some = dict(list(worlds.items())[: size + 1])
+            for decimals in precisions:
+                shares = measure(some, decimals, chance)
+                kind = ", ".join(map(str, decimals))
+                values[f"{lesson}, {size} students, {kind} decimals"] = shares
+                rows.append((lesson, size, kind, *(f"{100 * share:.1f} %" for share in shares.values())))
     table = Table(
-        "Answers to the question of lesson 07",
-        ("students", "decimals", "wrong answers that agree with a world", "of these named", "copies named"),
+        "Answers to the questions about personal worlds",
+        (
+            "lesson",
+            "students",
+            "decimals",
+            "wrong answers that agree with a world",
+            "of these named",
+            "copies named",
+        ),
         tuple(rows),
     )
     return Result("personal_worlds", values, (table,))

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from nao_course._internal.personal_world import PersonalWorld
 from nao_course.codec import register
 from nao_course.exercises.case import Case
 from nao_course.exercises.comparisons.comparison import Comparison
@@ -149,8 +148,9 @@ class Written:
     rubric : str
         Criteria for marking the answer.
     numbers : callable, optional
-        ``numbers(world, solution)`` returns the numbers that a student's answer must contain, by what they are. The
-        arguments are the student's `PersonalWorld` and the solution's functions. The marking page says which of the
+        ``numbers(world, predict, ...)`` returns the numbers that a student's answer must contain, by what they are.
+        Its first argument is the student's `PersonalWorld`; the others are functions of the solution with the names of
+        the parameters, also functions of earlier lessons that the solution loads. The marking page says which of the
         numbers are in the answer.
     """
 
@@ -158,7 +158,7 @@ class Written:
     points: float
     question: str
     rubric: str
-    numbers: Callable[[PersonalWorld, Mapping[str, Callable[..., Any]]], Mapping[str, float]] | None = None
+    numbers: Callable[..., Mapping[str, float]] | None = None
 
 
 @dataclass(frozen=True)

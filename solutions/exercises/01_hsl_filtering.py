@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from nao_course.exercises import Case, Close, Exact, Exercise, LessonPlan, Question, Sampled, Sibling, Written
 from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.hsl_filtering import personal_numbers
 
 Array = npt.NDArray[Any]
 Seed = int | np.random.Generator
@@ -860,8 +861,9 @@ PLAN = LessonPlan(
         Written(
             "explain_stray_pixel",
             points=2,
-            question="Why can a single stray pixel make the carpet yellow, and which rule for the limits would not be affected by it?",
-            rubric="1 point: the smallest and largest value are each decided by a single pixel, however many others there are; the interval reaches from yellow to the grass pixel's hue and so covers hues of the carpet (bonus insight: yellow takes precedence over green). 1 point: a rule that one pixel cannot move, such as quantiles or the median and a fixed width, with its price or the reason why it works.",
+            question="Why can a single stray pixel make the carpet yellow, and which rule for the limits would not be affected by it? Give the three numbers of your own picture.",
+            rubric="1 point: the smallest and largest value are each decided by a single pixel, however many others there are; the interval reaches from yellow to the grass pixel's hue and so covers hues of the carpet (bonus insight: yellow takes precedence over green). 1 point: a rule that one pixel cannot move, such as quantiles or the median and a fixed width, with its price or the reason why it works. Subtract half a point if the three numbers of the personal world are missing.",
+            numbers=personal_numbers,
         )
     ],
 )

@@ -13,6 +13,7 @@ from scipy.optimize import minimize_scalar
 
 from nao_course.exercises import All, Case, Close, Exercise, LessonPlan, Property, Question, Sibling, Written
 from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.distance import personal_numbers
 from nao_course.lessons.distance.calibration import small_angle
 from nao_course.sim import NAO_V4, CameraView
 
@@ -1007,8 +1008,9 @@ PLAN = LessonPlan(
         Written(
             "explain_shared_tilt",
             points=2,
-            question="Why would it be wrong to give each of three landmarks in one picture its own variance and to set the rest of R to zero?",
-            rubric="1 point: the tilt of a picture is one error for all its landmarks, so their ranges are wrong in the same direction (correlated). 1 point: if they are treated as independent, they are averaged, and the result is assumed to be more accurate than it is (overconfident).",
+            question="Why would it be wrong to give each of three landmarks in one picture its own variance and to set the rest of R to zero? Give both numbers of your own picture.",
+            rubric="1 point: the tilt of a picture is one error for all its landmarks, so their ranges are wrong in the same direction (correlated). 1 point: if they are treated as independent, they are averaged, and the result is assumed to be more accurate than it is (overconfident). Subtract half a point if the two numbers of the personal world are missing.",
+            numbers=personal_numbers,
         )
     ],
 )

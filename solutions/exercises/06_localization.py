@@ -13,6 +13,7 @@ from nao_course.exercises import Case, Close, Each, Exercise, LessonPlan, Questi
 from nao_course.geometry import rotation_2d, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.ekf_derivations.mistakes import jacobian_at
+from nao_course.lessons.localization import personal_numbers
 from nao_course.slam import range_and_bearing
 
 Array = npt.NDArray[Any]
@@ -913,8 +914,9 @@ PLAN = LessonPlan(
         Written(
             "explain_band",
             points=2,
-            question="Why does the 95 % band hold for one step over many drives, but not for one drive over its steps?",
-            rubric="1 point: the band holds for the mean of independent values, and different drives are independent. 1 point: the errors of neighbouring steps of one drive are nearly the same, because the error of a pose carries over from step to step; so a drive has far fewer independent values than steps, and its mean varies more.",
+            question="Why does the 95 % band hold for one step over many drives, but not for one drive over its steps? Give the three numbers of your own drives.",
+            rubric="1 point: the band holds for the mean of independent values, and different drives are independent. 1 point: the errors of neighbouring steps of one drive are correlated, because the error of a pose carries over from step to step; so a drive has far fewer independent values than steps, and its mean varies more. Subtract half a point if the three numbers of the personal world are missing.",
+            numbers=personal_numbers,
         )
     ],
 )

@@ -27,6 +27,7 @@ from nao_course.exercises import (
 )
 from nao_course.geometry import Pose, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
+from nao_course.lessons.beyond import personal_numbers
 from nao_course.lessons.beyond.particles import LogWeights, systematic
 from nao_course.lessons.beyond.planning import Option
 from nao_course.slam import range_and_bearing
@@ -1373,8 +1374,9 @@ PLAN = LessonPlan(
         Written(
             "when_to_stop",
             points=2,
-            question="Your robot can explore, or return to what it knows. When is which of the two better, and by which rule would you let it decide?",
-            rubric="1 point: exploring increases the uncertainty of the pose (odometry noise, new landmarks as uncertain as the pose) and adds to the map; returning reduces the uncertainty (a loop is closed). 1 point: a rule that combines both in one measure: the expected entropy or summed variance of pose and map, or a limit for the uncertainty of the pose above which the robot returns to what it knows.",
+            question="Your robot can explore, or return to what it knows. When is which of the two better, and by which rule would you let it decide? Give the three numbers of your own drives.",
+            rubric="1 point: exploring increases the uncertainty of the pose (odometry noise, new landmarks as uncertain as the pose) and adds to the map; returning reduces the uncertainty (a loop is closed). 1 point: a rule that combines both in one measure: the expected entropy or summed variance of pose and map, or a limit for the uncertainty of the pose above which the robot returns to what it knows. Subtract half a point if the three numbers of the personal world are missing.",
+            numbers=personal_numbers,
         )
     ],
 )

@@ -6,22 +6,23 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
+from inspect import signature
 from pathlib import Path
-from typing import Any
 
 from rich.progress import track
 
 from nao_course._internal.personal_world import PersonalWorld
 from nao_course._internal.tables import read_table
+from nao_course.exercises.definitions import Definitions
 from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.notebook_text import read_cells
 from nao_course.instructor.authoring.course import Course
-from nao_course.instructor.authoring.plans import load_solution, solutions_beside
+from nao_course.instructor.authoring.plans import PlanError, load_solution, solutions_beside
 from nao_course.instructor.autograding.assignment import library_digest
 from nao_course.instructor.gradebook.records import SubmissionResult
 
 Numbers = Mapping[str, float]  # by what they are
-Compute = Callable[[PersonalWorld, Mapping[str, Callable[..., Any]]], Numbers]
+Compute = Callable[..., Numbers]  # see `Written.numbers`
 
 
 class PersonalNumbers:
@@ -58,7 +59,7 @@ class PersonalNumbers:
         key = "/".join([lesson, question, name, self._version(lesson)])
         if key not in self._kept:
             with resolved_by(solutions_beside(self._notebook(lesson))):
-                found = compute(PersonalWorld(name), self._solution(lesson))
+                found = numbers_of(PersonalWorld(name), compute, self._solution(lesson))
             self._kept[key] = {name: float(value) for name, value in found.items()}
         return self._kept[key]
 
@@ -92,12 +93,25 @@ class PersonalNumbers:
             each.name: each.numbers for each in self._course.plan(lesson).written if each.numbers is not None
         }
 
-    def _solution_of(self, lesson: str) -> Mapping[str, Callable[..., Any]]:
+    def _solution_of(self, lesson: str) -> Definitions:
         return load_solution(self._notebook(lesson))
 
     def _version_of(self, lesson: str) -> str:
         cells = json.dumps(read_cells(self._notebook(lesson)))
         return hashlib.sha256(f"{library_digest(lesson)}{cells}".encode()).hexdigest()[:16]
+
+
+def numbers_of(world: PersonalWorld, compute: Compute, solution: Definitions) -> Numbers:
+    """Return the numbers of a world by what they are, computed with the solution's functions.
+
+    Raise a PlanError if the solution lacks a function that `compute` needs.
+    """
+    names = list(signature(compute).parameters)[1:]
+    if missing := [name for name in names if name not in solution.namespace]:
+        raise PlanError(
+            f"{compute.__qualname__} needs {', '.join(missing)}, which the solution does not define"
+        )
+    return compute(world, *(solution.namespace[name] for name in names))
 
 
 def read_worlds(path: Path) -> dict[str, str]:

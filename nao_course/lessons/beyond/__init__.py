@@ -17,6 +17,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
             "journeys_table",
         ),
         "panels": ("ExplorePanel", "MovesPanel", "TwoCamerasPanel"),
+        "personal": ("personal_numbers",),
         "recorded": ("draw_coverage", "draw_fast_slam", "draw_moves", "draw_two_cameras"),
         "two_cameras": ("measure_again",),
     },

@@ -22,6 +22,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         ),
         "panels": ("RayPanel", "TiltPanel"),
         "payoff": ("draw_payoff",),
+        "personal": ("personal_numbers",),
         "phone": ("PhoneLab",),
     },
 )

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -191,10 +188,15 @@ def personal_table(
     return table((robot, "mean Euclidean distance (m)", "mean Mahalanobis distance"), rows)
 
 
-def personal_numbers(world: PersonalWorld, solution: Mapping[str, Callable[..., Any]]) -> dict[str, float]:
-    """Return the numbers of a student's table; the functions of the solution give the same as any right functions."""
-    names = ("init_landmarks", "predict", "update", "evaluate_landmarks")
-    euclidean, mahalanobis = personal_distances(world, *(solution[name] for name in names))
+def personal_numbers(
+    world: PersonalWorld,
+    init_landmarks: Function,
+    predict: Function,
+    update: Function,
+    evaluate_landmarks: Function,
+) -> dict[str, float]:
+    """Return the numbers of a student's table."""
+    euclidean, mahalanobis = personal_distances(world, init_landmarks, predict, update, evaluate_landmarks)
     return {
         "mean Euclidean distance (m)": float(euclidean.mean()),
         "mean Mahalanobis distance": float(mahalanobis.mean()),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -60,7 +60,7 @@ def personal_costs(
     return table((f"room of {world}", "mean cost", "95 % interval"), rows)
 
 
-def personal_numbers(world: PersonalWorld, solution: Mapping[str, Callable[..., Any]]) -> dict[str, float]:
+def personal_numbers(world: PersonalWorld, grid_search: Callable[..., Any]) -> dict[str, float]:
     """Return the numbers of a student's table, for the solution's best setting.
 
     The first is the same for all students with this name. The second depends on the student's detector.
@@ -68,5 +68,5 @@ def personal_numbers(world: PersonalWorld, solution: Mapping[str, Callable[..., 
     scenes = personal_scenes(world)
     return {
         "reporting nothing": float(nothing_costs(scenes).mean()),
-        "120, 7, 50 with our detector": float(costs_in(scenes, BEST, solution["grid_search"]).mean()),
+        "120, 7, 50 with our detector": float(costs_in(scenes, BEST, grid_search).mean()),
     }

@@ -9,7 +9,8 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "figures": ("draw_hsl", "draw_hue_circle", "draw_stray_pixel"),
         "light": ("crossing", "draw_light_limits", "draw_lightness", "in_light"),
         "panel": ("FilterPanel",),
-        "payoff": ("draw_payoff", "draw_rgb_limits"),
+        "payoff": ("draw_payoff", "draw_rgb_limits", "without_edges"),
+        "personal": ("personal_numbers",),
         "real_pictures": ("draw_real_pictures",),
     },
 )

@@ -76,17 +76,27 @@ def draw_payoff(**functions: Callable[..., Any]) -> Drawing:
 
 def payoff_scene() -> tuple[Pixels, Pixels]:
     """Return a picture (H, W, 3) of the goal and its true labels (H, W), which are the same at every call."""
-    nao = SimulatedNao(Field(2012), Pose(1.1, 0.9, -0.42), rng=7)
+    return picture_from(Pose(1.1, 0.9, -0.42), 7)
+
+
+def picture_from(pose: Pose, rng: np.random.Generator | int) -> tuple[Pixels, Pixels]:
+    """Return a picture (H, W, 3) of the field of 2012 from a pose on it, and its true labels (H, W)."""
+    nao = SimulatedNao(Field(2012), pose, rng=rng)
     pixels, truth = nao.take_picture("bottom").pixels, Truth(nao).picture
     assert truth is not None  # a picture was taken
     return pixels, truth.labels
+
+
+def without_edges(mask: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Return a mask (H, W) without its edges, where a pixel mixes two colours."""
+    return np.asarray(cv2.erode(np.asarray(mask, dtype=np.uint8), np.ones((5, 5))) > 0)
 
 
 def _calibrated(picture: Pixels, truth: Pixels, own: Exercises) -> tuple[Any, Any]:
     """Return limits of green, from the grass in front of the robot, and of yellow, from posts and bar without edges."""
     hue, saturation, _ = own["rgb_to_hsl"](picture.copy())
     grass = np.s_[200:, 100:220]
-    goal = cv2.erode((truth == YELLOW).astype(np.uint8), np.ones((5, 5))) > 0
+    goal = without_edges(truth == YELLOW)
     green = own["calibrate_hue"](hue[grass], saturation[grass], 10.0)
     return green, own["calibrate_hue"](hue[goal], saturation[goal])
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import cv2
 import numpy as np
-import numpy.typing as npt
 
 from nao_course import plotting
 from nao_course.geometry import Pose
+from nao_course.lessons.hsl_filtering.payoff import without_edges
 from nao_course.sim import LABELS, SimulatedNao, Truth
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
@@ -41,16 +40,11 @@ def _calibrate(student: StudentCode, nao: SimulatedNao) -> tuple[Any, Any]:
     there = SimulatedNao(nao.field, _PLACE, rng=_SEED, reality=nao.reality)
     hue, saturation, _ = student.rgb_to_hsl(there.take_picture("bottom").pixels)
     truth = Truth(there).picture
-    goal = _middle(truth is not None and truth.labels == LABELS.index("yellow"))
+    goal = without_edges(truth is not None and truth.labels == LABELS.index("yellow"))
     if not goal.any():
         raise ValueError("there is no yellow goal on this field to calibrate yellow with")
     green = student.calibrate_hue(hue[_CARPET], saturation[_CARPET], epsilon=_EPSILON)
     return green, student.calibrate_hue(hue[goal], saturation[goal])
-
-
-def _middle(mask: Any) -> npt.NDArray[np.bool_]:
-    """Return a mask (H, W) without its edges, where a pixel mixes two colours."""
-    return np.asarray(cv2.erode(np.asarray(mask, dtype=np.uint8), np.ones((5, 5))) > 0)
 
 
 STAGE = Stage(

@@ -12,6 +12,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "first_drive": ("draw_bearings", "draw_first_drive"),
         "next_landmark": ("draw_remaining_uncertainty",),
         "panels": ("FusePanel", "LabPanel"),
+        "personal": ("personal_numbers",),
         "real_walk": ("draw_real_walk",),
     },
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -229,7 +229,7 @@ def follow_many(
     return [follow(drive, localize, predict_pose, predict_covariance, error=error) for drive, error in laps]
 
 
-@cache
+@lru_cache(maxsize=200)
 def lap(seed: int) -> tuple[Drive, FloatArray]:
     """Return one of the lesson's drives and the estimate's error at its start; the same at each call."""
     rng = np.random.default_rng([6, seed])

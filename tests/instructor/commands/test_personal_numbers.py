@@ -9,14 +9,15 @@ import pytest
 
 from nao_course._internal.tables import TableError
 from nao_course.instructor.authoring.course import load_course
+from nao_course.instructor.authoring.plans import PlanError
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.commands.personal_numbers import PersonalNumbers, read_worlds
 from tests.pages import answer, result
 from tests.toy.course import lay_out, run, with_a_written_question, write
 
 NUMBERS = """
-def numbers(world, solution):
-    return {"twice the seed": solution["double"](float(world.seed("toy") % 100))}
+def numbers(world, double):
+    return {"twice the seed": double(float(world.seed("toy") % 100))}
 
 PLAN ="""
 
@@ -64,6 +65,17 @@ def test_other_questions_have_none_and_an_assignment_has_no_code_of_the_question
     assignment = prepare(asking, "01_toy", b"0123456789abcdef")
     (question,) = pickle.loads(pickle.dumps(assignment)).written
     assert question.name == "say_why" and question.numbers is None
+
+
+def test_a_function_that_the_solution_does_not_define_is_named(asking, tmp_path):
+    write(
+        asking.solutions / "exercises" / "01_toy.py",
+        "def numbers(world, double)",
+        "def numbers(world, triple)",
+    )
+    write(asking.solutions / "exercises" / "01_toy.py", "double(float(world", "triple(float(world")
+    with pytest.raises(PlanError, match="numbers needs triple, which the solution does not define"):
+        PersonalNumbers(asking, tmp_path / "numbers.json")("01_toy", "say_why", "ada")
 
 
 def test_the_names_in_the_copies_may_differ_from_the_gradebook(asking, tmp_path):

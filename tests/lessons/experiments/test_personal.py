@@ -42,5 +42,5 @@ def test_the_table_has_the_baseline_and_each_setting_with_its_interval_and_so_ha
     ):
         assert row == [*words, f"{costs.mean():.2f}", f"{costs.min():.2f}", "to", f"{costs.max():.2f}"]
     assert "room of ada" in shown
-    numbers = personal_numbers(world, {"grid_search": corners_everywhere})
+    numbers = personal_numbers(world, corners_everywhere)
     assert list(numbers.values()) == pytest.approx([baseline.mean(), baseline.mean() - 1])

@@ -81,7 +81,7 @@ def test_nees_and_nis_are_in_their_bands_and_as_the_lesson_says(filter_of, drive
         assert (round(nees.mean(), 2), round(nis.mean(), 2)) == (2.97, 2.00)
         assert in_bands(traces) == (100, 97, 2.97)
         assert round(100 * inside_naive_band(traces)) == 78
-        quotes(text("06"), "2.97", "3.12", "2.00", "97 %", "83 %", "78", "70 to 85")
+        quotes(text("06"), "2.97", "2.00", "97 %", "78")
 
 
 def test_the_short_form_breaks_where_the_lesson_says_and_josephs_does_not(own):
@@ -122,7 +122,7 @@ def test_a_drive_sees_what_is_near_and_before_it_and_an_answer_of_another_shape_
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [100, 200, 300, 400, 1000, 2000, 3000])
-def test_with_other_seeds_as_many_drives_and_steps_are_in_their_bands_as_the_text_states(filter_of, first):
+def test_with_other_seeds_the_steps_are_in_their_bands_and_too_few_drives_are(filter_of, first):
     traces = follow_many(range(first, first + 100), *filter_of)
     assert 70 <= round(100 * inside_naive_band(traces)) <= 85
     *inside, nees = in_bands(traces)
