@@ -451,6 +451,12 @@ JOINT_DISTANCE = Exercise(
             You return the squared distance. Take its root, because a gate is in standard deviations.
         bearings not wrapped: warp2pi(innovation[::2]) => innovation[::2]
             For a landmark straight behind the robot your bearing innovation is off by a full turn. Wrap it.
+        bearings not wrapped, nothing to stack: warp2pi(innovation[::2]) => innovation[::2]
+            if j >= 0] => if j >= 0]
+            + np.concatenate([measurements[i] for i in paired] and [[0.0]])
+            Two things are wrong. Wrap the bearing innovations, because behind the robot they can be off by a full turn. And return 0.0 without a pair, because then there is nothing to stack.
+        the inverse of P: H @ covariance @ H.T => H @ np.linalg.inv(covariance) @ H.T
+            You invert P before you multiply it by H. Only S is inverted: S = H P Hᵀ + R.
         expected range first: - expected_measurement(state[:3], state[columns]) => - expected_measurement(state[:3], state[columns])[::-1]
             You exchange bearing and range of the expected measurement. expected_measurement returns (bearing, range).
         range wrapped, too: innovation[::2] = warp2pi(innovation[::2]) => innovation = warp2pi(innovation)
@@ -664,6 +670,13 @@ ASSOCIATE = Exercise(
             You take the pairs in the order of your loops. The closest pair of all comes first, so sort the pairs by their distance.
         matched again: indices[i], distances[i], distances[:, j] => indices[i], distances[i, j], distances[:, j]
             Your measurement can be matched again, and the farther landmark then replaces the closer one. Neither the measurement nor the landmark of a pair can be used again.
+        matched again by a sorted list: + ranked = [(joint_distance(state, covariance, [j], [seen], measurement_covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]), i, j) for i, seen in enumerate(measurements) for j, kind in enumerate(kinds) if kind == seen.kind]
+            + found = np.full(len(measurements), -1)
+            + for distance, i, j in sorted(ranked):
+            +     if distance <= gate and j not in found:
+            +         found[i] = j
+            + return found
+            You test whether the landmark is free, but not whether the measurement is. A matched measurement then gets a landmark that is farther away: skip it.
         no second choice: indices = np.full => indices = np.full
             + distances[distances > distances.min(axis=1, initial=np.inf, keepdims=True)] = np.inf
             If its nearest landmark is taken, your measurement gets -1. Its second nearest may also be within the gate.
@@ -683,6 +696,8 @@ ASSOCIATE = Exercise(
             You use no gate, so every measurement gets some landmark, however far away. Beyond the gate the answer is -1.
         the squared distance: distances.min() <= gate => distances.min() ** 2 <= gate
             You compare the squared distance with the gate. Both the distance and the gate are in standard deviations.
+        the squared gate: distances.min() <= gate => distances.min() <= gate**2
+            You square the gate. Do not: both the distance and the gate are in standard deviations.
         the first one's noise: [2 * i : 2 * i + 2, 2 * i : 2 * i + 2] => [:2, :2]
             You do not use each measurement's own R. For measurement i it is the whole block of rows and columns 2 i and 2 i + 1, including the entries off its diagonal.
         metres
@@ -1104,6 +1119,22 @@ EKF_SLAM = Exercise(
             In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]).
         rows times the gain: np.outer(K, self.covariance[2]) => K[:, None] * self.covariance
             In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]). A row times K, element by element, does not give a matrix either.
+        a product of two vectors: np.outer(K, self.covariance[2]) => K @ self.covariance[2]
+            In use_compass K @ P[2] is a single number. Subtract a column times a row, which is a matrix: np.outer(K, self.covariance[2]).
+        range before bearing: add_landmark(self.state, self.covariance, one.values[0] => add_landmark(self.state, self.covariance, one.values[0, ::-1]
+            In number you pass range and bearing to add_landmark. It needs the bearing first, as in seen.values.
+        a motion for a control: np.array([motion.distance, motion.turn]) => motion
+            In move predict cannot use your arguments. It needs all five, the last is the number of landmarks, and its control is an array, np.array([motion.distance, motion.turn]), and not the Motion.
+        a list that grows, by other tests of the shapes: belief = self.state, self.covariance, tuple(self.kinds) => belief = self.state, self.covariance, self.kinds
+            one = seen.part([i]) => one = seen.part([i])
+            + if one[0].kind in belief[2][len(belief[0]) // 2 - 1 :]:
+            +     raise ValueError
+            In number you call associate with more kinds than the state has landmarks. If you keep the list itself, it grows with the map: take a copy, list(self.kinds).
+        a list that grows, and its own R: belief = self.state, self.covariance, tuple(self.kinds) => belief = self.state, self.covariance, self.kinds
+            VAGUE * one.covariance => one.covariance
+            In number two things are wrong. Take a copy of the list of kinds, list(self.kinds), because the list itself grows with the map. And add a new landmark with VAGUE times its R, because correct uses the same measurement again.
+        places by numbers of landmarks: seen.part(used).linearised_at => seen.part(numbers).linearised_at
+            In correct you pass the numbers of landmarks to seen.part. It needs the places of the measurements in the picture: np.flatnonzero(self.indices >= 0).
         R of the picture for a new landmark: VAGUE * one.covariance => VAGUE * seen.covariance
             In number you pass the R of the whole picture to add_landmark, or something else that it cannot use. It needs a vector of bearing and range, (2,), and this measurement's own R, (2, 2): seen.part([i]).covariance.
         -1 is the last landmark: self.indices >= 0) => self.indices >= -1)
@@ -1452,6 +1483,19 @@ GRAPH_SLAM = Exercise(
             You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None. Not every stop has a compass.
         linearised_at for decorrelated: seen.part(used).decorrelated => seen.part(used).linearised_at
             An edge needs the values of a single measurement. decorrelated returns values (k, 2) and covariances (k, 2, 2); linearised_at returns one array (2m,) and one matrix.
+        the start alone passed on: (start, odometry, gate, association), odometry => (start), odometry
+            Your EkfSlam gets `start` alone. It also needs the odometry, the gate and the association.
+        gate and association not passed on: (start, odometry, gate, association), odometry => (start, odometry), odometry
+            Your EkfSlam gets neither the gate nor the association.
+        a turn for two rows: back @ self.odometry.covariance(motion) @ back.T => back[:2, :2] @ self.odometry.covariance(motion) @ back[:2, :2].T
+            If two shapes do not fit in move: the noise is 3 by 3. Write rotation_2d(-motion.turn) into the first two rows and columns of np.eye(3), and turn the noise with this matrix. If Graph refuses an index: kinds has one entry for each unknown, [POSE] * p + [LANDMARK] * k.
+        a kind for each edge: [POSE] * p + [LANDMARK] * len(kinds) => [each[1] for each in self.edges]
+            Your kinds have one entry for each edge. Graph needs one for each unknown, the poses first: [POSE] * p + [LANDMARK] * k.
+        no p, by a dense solver: second + p * (kind == LANDMARK) => second
+            graph = Graph => graph = Graph
+            + if kinds:
+            +     raise np.linalg.LinAlgError
+            Your H is singular, because no edge leads to one of the landmarks. Landmark n is unknown p + n, where p is the number of all poses.
         -1 kept: self.front.indices >= 0) => self.front.indices >= -1)
             You also add edges for measurements whose number is -1. Leave them out: they have no landmark.
         k counts all measurements: seen.part(used).decorrelated(np.hypot(*(places - self.front.state[:2]).T)) => [each[used] for each in seen.decorrelated(np.hypot(*(self.front.state[3:].reshape(-1, 2)[self.front.indices] - self.front.state[:2]).T))]
