@@ -1000,7 +1000,8 @@ EKF_SLAM = Exercise(
     stars=3,
     uses=("associate", "07:predict", "07:update_landmarks", "07:add_landmark"),
     public=lambda: [
-        *_methods_alone((1, 2, 3, 4, CONFLICTS[0])),
+        # The third picture has old landmarks, two new ones and a false corner.
+        *_methods_alone((1, 2, 224, 4, CONFLICTS[0])),
         _log_case(3, 2, "whole drives: two moves, two pictures at each stop"),
         _log_case(5, 2, "whole drives: a poor compass and a gate of 10", gate=10.0, compass_sigma=POOR),
         _log_case(
@@ -1276,20 +1277,16 @@ LINES = [
     for direction, sigma in ((-0.47, 0.02), (0.0, np.inf), (-0.16, 0.01))
 ]
 # Drives on which Gauss-Newton settles within a few steps, from the filter's poses and from predictions alike.
-SETTLES = (2002, 2003, 2006, 2007, 2011, 2014, 2016, 2018, 2021, 2022, 2023, 2031, 2032, 2035, 2036)
+SETTLES = (2002, 2003, 2006, 2011, 2016, 2018, 2022, 2023, 2031, 2032, 2035, 2036)
 
 
 def _graphs_hidden(rng: np.random.Generator) -> list[Case]:
     seeds = [int(seed) for seed in rng.choice(SETTLES, 4, replace=False)]
     start = Pose(*rng.uniform(-1, 1, 3))
+    moves = ("move", Motion(0.3, -0.4)), ("move", Motion(0.2, 0.1))
     return [
-        calls(
-            ("move", Motion(0.3, -0.4)),
-            ("move", Motion(0.2, 0.1)),
-            "estimate",
-            given=(start,),
-            name="motions: two moves",
-        ),
+        calls(*moves, "estimate", given=(start,), name="motions: two moves"),
+        calls(moves[0], "estimate", given=(start,), name="motions: one move"),
         calls("estimate", given=(start,), name="before the first edge: the start"),
         calls(
             *(
@@ -1569,6 +1566,8 @@ GRAPH_SLAM = Exercise(
             f"turned = [{pair}, self.front.heading - self.poses[0][2]]": "a heading's edge has no information of places"
             for pair in ("1.0, 0.0", "0.0, -1.0", "-1.0, 0.0")
         },
+        **{f"for _ in range({steps}):": "the drives settle within fewer steps" for steps in (4, 6)},
+        "pass": "the drives settle from predictions as well",
         "numbers = self.front.indices[used]": "an array of whole numbers counts as well",
         "information = np.ones((3, 3))": "of a landmark's edge only the first two rows and columns count",
         "self.edges.append((here, LANDMARK, number, [*z, 1.0], information))": "a landmark has no angle",
