@@ -1184,6 +1184,9 @@ EKF_SLAM = Exercise(
         "K = self.covariance[2, :] / (self.covariance[2, 2] + sigma ** 2)": "a covariance is symmetric: its row is its column",
         "self.covariance = self.covariance - np.outer(self.covariance[2], K)": "K is that row divided by a number",
         "numbers = self.indices[used]": "an array of the same numbers",
+        **dict.fromkeys(
+            ("pass", "self.state[2] = self.state[2]"), "predict and each innovation wrap the heading"
+        ),
         "return Estimate(pose, self.covariance[:3, :3], landmarks, own, tuple(self.kinds))": "Estimate makes an array of the list",
         "return Estimate(pose, self.covariance[:3, :3], landmarks, np.array(own), self.kinds)": "Estimate makes a tuple of the list",
         "places = [self.state[3 + 2 * n:] for n in numbers]": "of a longer piece the first two numbers are the landmark",
