@@ -18,7 +18,7 @@ LARGEST = 100_000  # bytes; a usual file has a few hundred
 
 
 class BrokenFileError(ValueError):
-    """Raised for a file that does not contain a best score; the message explains why."""
+    """Raised for a file whose best score cannot be used; the message explains why."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class BestFile:
         self._remark = ""
 
     def read(self) -> tuple[Best | None, str]:
-        """Return the best score so far, or None, and a remark, such as that an unreadable file was renamed."""
+        """Return the best score so far, or None, and a remark, such as that an unusable file was renamed."""
         if not os.path.lexists(self.path):
             return None, self._remark
         try:
@@ -57,7 +57,8 @@ class BestFile:
             return remark
         if os.path.lexists(self.path) and before is None:
             return remark  # neither readable nor movable, so it stays unchanged
-        text = json.dumps({"score": best.score, "worst": best.worst, "columns": dict(best.columns)}, indent=1)
+        held = {"score": best.score, "worst": best.worst, "columns": dict(best.columns)}
+        text = json.dumps(held | {"version": self.challenge.version}, indent=1)
         beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
         try:
             beside.write_text(text + "\n", encoding="utf-8")
@@ -78,20 +79,22 @@ class BestFile:
             raise BrokenFileError("it is not JSON") from error
         if not isinstance(held, dict) or not isinstance(held.get("columns"), dict):
             raise BrokenFileError("it contains no score")
+        if held.get("version", 1) != self.challenge.version:
+            raise BrokenFileError("the challenge is now scored differently")
         names = {column.name for column in self.challenge.columns}
         columns = {name: _number(value) for name, value in held["columns"].items() if name in names}
         return Best(_number(held.get("score")), _number(held.get("worst")), columns)
 
     def _set_aside(self, why: str) -> str:
         number = 1
-        while os.path.lexists(aside := self.path.with_name(f"{self.path.name}.broken-{number}")):
+        while os.path.lexists(aside := self.path.with_name(f"{self.path.name}.old-{number}")):
             number += 1
         try:
             os.rename(self.path, aside)
         except OSError:
-            return f"{self.path.name} cannot be read ({why}) and cannot be renamed, so it stays unchanged."
+            return f"{self.path.name} cannot be used ({why}) and cannot be renamed, so it stays unchanged."
         outcome = f"It was renamed to {aside.name}, and your best score starts again."
-        return f"{self.path.name} could not be read ({why}). {outcome}"
+        return f"{self.path.name} cannot be used ({why}). {outcome}"
 
 
 def _number(value: Any) -> float:

@@ -123,6 +123,8 @@ class Challenge:
         Whether the cases are a random sample, so that a difference between two scores may be chance.
     name_of : callable
         ``name_of(seed)`` returns the name of a case.
+    version : int
+        Version of the scoring: a best score of another version is set aside, because it cannot be compared.
     seconds, seconds_in_all : float
         Longest run time of the student's function for one case, and for all cases.
     """
@@ -147,6 +149,7 @@ class Challenge:
     case: str = "scene"
     sampled: bool = True
     name_of: Callable[[Any], str] = str
+    version: int = 1
     seconds: float = 5.0
     seconds_in_all: float = 60.0
     _scenes: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)

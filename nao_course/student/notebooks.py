@@ -137,7 +137,8 @@ def functions(
 def earlier(use: str, folder: str | Path | None = None) -> Any:
     """Return your own function of an earlier lesson; a lesson's set-up cell calls this.
 
-    If your function is missing or wrong, a note explains why, and a call of the function raises the same explanation.
+    If your function is missing or wrong, a note explains why, and a call of the function raises an error that refers
+    to this note.
     The checks of the lesson use recorded answers instead.
 
     Parameters
@@ -164,6 +165,7 @@ def earlier(use: str, folder: str | Path | None = None) -> Any:
         find()
     except EarlierNotUsable as sentence:
         _Missing.show(str(sentence))
+        find = not_usable(use, "the set-up cell says why.")  # once, and not again in each later cell
     return stand_in(use, find, like)
 
 

@@ -380,7 +380,11 @@ INIT_LANDMARKS = Exercise(
         "a Cholesky factor": _initial_by_roots,
     },
     equivalents={
-        "landmarks, jacobian = (np.ones(2 * k), np.zeros((2 * k, 2 * k)))": "all entries are overwritten"
+        "landmarks, jacobian = (np.ones(2 * k), np.zeros((2 * k, 2 * k)))": "all entries are overwritten",
+        **{
+            f"jacobian[i:i + 2, i:i + 2] = landmark_jacobians(pose, measurements[{longer}])[1]": "landmark_jacobians reads only the first two numbers"
+            for longer in ("i:i + 3", "i:")
+        },
     },
 )
 
@@ -587,6 +591,10 @@ PREDICT = Exercise(
         "Jacobians of the whole state": _predicted_whole,
         "np.block, a list": _predicted_in_blocks,
         "central differences": _predicted_by_differences,
+    },
+    equivalents={
+        f"F, G = motion_jacobians(state[{longer}], control)": "motion_jacobians reads only the first three numbers"
+        for longer in (":4", ":")
     },
 )
 
@@ -1108,7 +1116,12 @@ UPDATE_LANDMARKS = Exercise(
         "Joseph form, made symmetric": _joseph,
     },
     equivalents={
-        "innovation, H = (np.ones(2 * m), np.zeros((2 * m, 3 + 2 * m)))": "all entries are overwritten"
+        "innovation, H = (np.ones(2 * m), np.zeros((2 * m, 3 + 2 * m)))": "all entries are overwritten",
+        **{
+            f"rows, landmark = (slice(2 * j, 2 * j + 2), state[3 + 2 * i:{end}])": "of a longer piece the first two numbers are the landmark"
+            for end in ("", "5 << 2 * i", "5 + 2 ** i", "5 + 2 << i", "6 + 2 * i", "5 + 3 * i")
+        },
+        "return (state, np.subtract(covariance, reduction))": "a new array has the same numbers",
     },
 )
 
@@ -1316,6 +1329,10 @@ EVALUATE_LANDMARKS = Exercise(
     alternatives={"Cholesky": _by_cholesky, "np.einsum": _by_einsum, "SciPy's": _by_scipy},
     equivalents={
         "errors = truth - estimates": "the sign of the error does not matter",
+        **{
+            f"squares = [error @ np.linalg.solve(P, error) for error, P in zip(errors, covariances{strict})]": "both are equally long"
+            for strict in ("", ", strict=False")
+        },
         "squares = [np.linalg.solve(P, error) @ error for error, P in zip(errors, covariances, strict=True)]": "the scalar product is commutative",
         "return (np.hypot(errors[:, 1], errors[:, 0]), np.sqrt(squares))": "a sum of squares is commutative",
     },
@@ -1479,6 +1496,10 @@ ADD_LANDMARK = Exercise(
         "one Jacobian of all": _added_by_one_jacobian,
         "a larger matrix, filled": _added_in_place,
         "central differences": _added_by_differences,
+    },
+    equivalents={
+        f"by_pose, by_measurement = landmark_jacobians(state[{longer}], measurement)": "landmark_jacobians reads only the first three numbers"
+        for longer in (":4", ":")
     },
 )
 

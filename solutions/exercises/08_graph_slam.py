@@ -256,6 +256,9 @@ epsilon for 1/epsilon: 1 / epsilon => epsilon
     You take the root of epsilon. Equation 8.1 divides the square by the variance itself: the weight is 1 / epsilon.
 xi without its weight: weight * VALUE =>> VALUE
     In xi you forgot the weight: multiply the VALUE by 1 / epsilon, because both sides of the equation are multiplied by it.
+sign and weight of xi: xi[FIRST] -= weight * VALUE => xi[FIRST] += VALUE
+    xi[SECOND] += weight * VALUE => xi[SECOND] -= VALUE
+    There are two errors in xi. Its signs are reversed: subtract in the row of FIRST, and add in the row of SECOND. And the VALUE needs the weight 1 / epsilon.
 omega without its weight: omega[FIRST, FIRST] += weight => omega[FIRST, FIRST] += 1
     omega[SECOND, SECOND] += weight => omega[SECOND, SECOND] += 1
     omega[FIRST, SECOND] -= weight => omega[FIRST, SECOND] -= 1
@@ -618,6 +621,16 @@ SOLVE = Exercise(
             + except np.linalg.LinAlgError:
             +     raise ValueError(f"nothing holds {list(range(len(xi)))}")
             There are two errors. Because of rounding, NumPy does not notice every singular matrix: compare the eigenvalues with a small fraction of the largest one. And name only the variables that can be moved freely, not all.
+        row sums: + if np.linalg.matrix_rank(omega) == len(xi):
+            +     return np.linalg.solve(omega, xi)
+            + raise ValueError(f"nothing holds {np.flatnonzero(omega.sum(axis=1) == 0).tolist()}")
+            You name the variables whose rows add up to 0. Such a variable has no start of its own, but edges can hold it. Name the variables with an entry in a free direction: use the eigenvectors.
+        row sums of nearly 0: + if np.linalg.matrix_rank(omega) == len(xi):
+            +     return np.linalg.solve(omega, xi)
+            + raise ValueError(f"nothing holds {np.flatnonzero(np.isclose(omega.sum(axis=1), 0)).tolist()}")
+            You name the variables whose rows add up to nearly 0. That says only that they have no start of their own, and edges can hold them. Name the variables with an entry in a free direction: use the eigenvectors.
+        every row sum of nearly 0: loose = np.flatnonzero(np.linalg.norm(free, axis=1) > 1e-6) => loose = np.flatnonzero(np.isclose(omega.sum(axis=1), 0))
+            You refuse systems that have a solution, because you name each variable whose row adds up to 0. Such a variable has no start of its own, but edges can hold it: use the eigenvectors.
         exactly 0: values <= 1e-12 * values.max() => values == 0
             You find only variables without any constraint. If a group of linked variables has no start, rounding leaves an eigenvalue of about 1e-16 of the largest one, so neither == 0 nor NumPy's LinAlgError finds it every time. Compare the eigenvalues with a small fraction of the largest one, and name all variables of the group.
         one direction: values <= 1e-12 * values.max()] => values <= 1e-12 * values.max()][:, :1]
@@ -825,6 +838,9 @@ MARGINALIZE = Exercise(
             In omega you add the second term of equation 8.5. Subtract it.
         plus: share = np.linalg.solve => share = -np.linalg.solve
             You add the second terms of equation 8.5. Subtract them, in omega and in xi.
+        plus, sorted: + keep = sorted(keep)
+            share = np.linalg.solve => share = -np.linalg.solve
+            There are two errors. You add the second terms of equation 8.5: subtract them. And you return the variables sorted, but `keep` gives their order.
         plus in omega and xi only cut out: - share @ between.T => + share @ between.T
             xi[keep] - share @ xi[removed] => xi[keep]
             Your function has two errors. In omega you add the second term of equation 8.5; subtract it. And in xi the second term is missing.
@@ -1054,7 +1070,7 @@ SOLVE_SPARSE = Exercise(
             + import warnings
             return scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => with warnings.catch_warnings(action="ignore"):
             +     return scipy.sparse.linalg.spsolve(omega.tocsc(), xi)
-            You compare a sum of floats with == 0. Rounding leaves about 1e-16 of the weights. Compare with a small fraction of the weights instead.
+            You compare a sum of floats with exactly 0 (== 0, > 0 or < 0). Rounding leaves about 1e-16 of the weights. Compare with a small fraction of the weights instead.
         numbers left out: {', '.join(map(str, loose))} => {loose}
             NumPy prints a long array with ... in its middle, so your message lacks most of the numbers. Use a list: array.tolist().
         what splu notices: + try:
@@ -1102,6 +1118,10 @@ SOLVE_SPARSE = Exercise(
             You find only variables without any constraint. A group of linked variables may have no start either: find the connected parts, and add up the sums of the rows in each part.
         each variable alone: starts[part] < 0.5 => np.abs(omega @ np.ones(len(xi))) < 1e-9
             You demand a start of every variable. A variable is also held if edges connect it to a start: find the connected parts, and add up the sums of the rows in each part. The size of the limit does not change this.
+        cg, and names nothing: + return scipy.sparse.linalg.cg(omega, xi)[0]
+            There are two errors. cg stops at its tolerance, which is too coarse by default: set rtol=1e-12 and maxiter, or use splu. And it does not notice that nothing holds a part: find these parts before you solve, and name their variables.
+        cg alone: + return scipy.sparse.linalg.cg(omega, xi, rtol=1e-12, maxiter=100 * len(xi))[0]
+            Your solutions are right. But if nothing holds a part, cg returns one of many solutions. Find these parts before you solve, and name their variables in a ValueError.
         the solver's report, too: scipy.sparse.linalg.splu(omega.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(xi) => scipy.sparse.linalg.cg(omega, xi)
             cg returns x and a status code. Return x only, and set rtol to 1e-12, because the default is too coarse.
         a little on the diagonal: + return scipy.sparse.linalg.spsolve((omega + 1e-6 * scipy.sparse.eye_array(len(xi))).tocsc(), xi)

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.colours import GREEN, YELLOW
-from nao_course.exercises import Case, Close, Exercise, LessonPlan, Question, Sibling, Written
+from nao_course.exercises import All, Case, Close, Exercise, LessonPlan, Property, Question, Sibling, Written
 from nao_course.geometry import Pose
 from nao_course.instructor.authoring.mistakes import catalogue
-from nao_course.lessons.experiments.intervals import Interval, case_of
+from nao_course.lessons.experiments.intervals import Interval, case_of, each_once
 from nao_course.lessons.experiments.personal import personal_numbers
 from nao_course.sim import NAO_V4, CameraView
 from nao_course.student import earlier
@@ -64,6 +64,10 @@ PAYING_PRECISION = Exercise(
             You charge `missed` for each point that is not reported. It is only due if there is a corner, with probability p.
         costs as numbers of reports: return false / (false + missed - hit) => return hit / (hit + false)
             You use the costs as if they were numbers of hits and of false reports. Compare the expected costs of reporting and of not reporting.
+        a fixed number: + return 0.68
+            Your function always returns the same number. Compute it from hit, false and missed.
+        the hit in the numerator: return false => return (false - hit)
+            Your numerator contains the cost of a hit. Set the expected costs equal, p hit + (1 - p) false = p missed, and solve for p: the numerator is `false`.
         the hit forgotten: (false + missed - hit) => (false + missed)
             Your formula does not contain the cost of a hit. If there is a corner, a report costs `hit`, not 0.
         the paper's costs always: + hit, false, missed = -1.333, 5.0, 1.0
@@ -238,6 +242,18 @@ DETECTION_COST = Exercise(
         each report on its own: hits = 0 => hits = sum(bool(row.min() <= tolerance) for row in apart)
             + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
             You search the nearest corner of each report on its own, so several reports hit the same corner. Use each corner only once. A picture without corners needs a test of its own, because there is no nearest corner.
+        each report on its own, no empty array: hits = 0 => hits = (apart.min(axis=1) <= tolerance).sum()
+            + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
+            Two things are wrong. You test each report on its own, so several reports hit the same corner: use each corner only once. And your function fails without corners, because an empty array has no smallest value.
+        each corner on its own, no empty array: hits = 0 => hits = (apart.min(axis=0) <= tolerance).sum()
+            + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
+            Two things are wrong. You test each corner on its own, so one report can hit two corners: use each report only once. And your function fails without reports, because an empty array has no smallest value.
+        each side on its own, no empty array: hits = 0 => hits = (apart.min(axis=1) <= tolerance).sum()
+            + return -1.333 * hits + 5 * (len(detected) - hits) + (apart.min(axis=0) > tolerance).sum()
+            Two things are wrong. You test each report and each corner on its own, so several reports can hit one corner: make pairs, and use each point only once. And your function fails without reports or corners, because an empty array has no smallest value.
+        each side on its own, no empty array, hits by corners: hits = 0 => hits = (apart.min(axis=0) <= tolerance).sum()
+            + return -1.333 * hits + 5 * (apart.min(axis=1) > tolerance).sum() + (len(truth) - hits)
+            Two things are wrong. You test each corner and each report on its own, so extra reports at a corner cost nothing: make pairs, and use each point only once. And your function fails without reports or corners, because an empty array has no smallest value.
         every close pair: hits = 0 => hits = (apart <= tolerance).sum()
             + return -1.333 * hits + 5 * (len(detected) - hits) + (len(truth) - hits)
             You count all pairs within the tolerance, so one point can belong to several pairs. Use each report and each corner only once.
@@ -372,12 +388,15 @@ def _grid_public() -> list[Case]:
     rng = np.random.default_rng(103)
     scenes = [_scene(rng, 48, 64) for _ in range(4)]
     narrow = _scene(rng, 40, 48)
-    return [
+    cases = [
         Case((scenes[:3], [100, 150], [1, 6], [8, 20]), "three scenes, eight settings"),
         Case(([narrow, scenes[0]], [100], [6], [8, 20]), "pictures of two shapes"),
         Case((scenes[1:], [150], [2, 6, 4], [8]), "one beta, three gaps"),
         Case((scenes[:1], [100], [6], [16]), "one scene, one setting"),
     ]
+    for each, betas, gaps, lengths in (case.args for case in cases):
+        _grid(each, betas, lengths, gaps)  # find_corners with gap and length exchanged is recorded, too
+    return cases
 
 
 def _grid_hidden(rng: np.random.Generator) -> list[Case]:
@@ -421,6 +440,12 @@ GRID_SEARCH = Exercise(
     mistakes=catalogue("""
         means only: np.array(costs) => float(np.mean(costs))
             You return one mean for each setting. Return the costs of all scenes, because the uncertainty of a mean can only be computed from them.
+        means only, always 8 pixels: np.array(costs) => float(np.mean(costs))
+            8 * len(picture) / 240 => 8.0
+            Two things are wrong. Return the costs of all scenes and not their mean. And the tolerance should be proportional to the picture's height: 8 px for 240 rows.
+        the number of a scene: for picture, corners in scenes: => for number, scene in enumerate(scenes):
+            tolerance = 8 * len(picture) / 240 => picture = scene.max(axis=2)
+            If the line uses a scene as a picture: each scene is a pair. Unpack it, for picture, corners in scenes.
         sums only: np.array(costs) => float(np.sum(costs))
             You return one sum for each setting. Return the costs of all scenes, because the uncertainty of a mean can only be computed from them.
         one cost for each setting: .append(detection_cost(found, corners, tolerance)) => = detection_cost(found, corners, tolerance)
@@ -446,7 +471,7 @@ GRID_SEARCH = Exercise(
         upside down: len(picture) / 240 => 240 / len(picture)
             Your tolerance decreases with the height. It should be proportional to it: 8 * H / 240.
         length and gap from product: for gap, length in product => for length, gap in product
-            You unpack the gaps as lengths and the lengths as gaps. product(gaps, lengths) yields (gap, length).
+            The names in your loop, or your keys, are in another order than what product yields. product(gaps, lengths) yields (gap, length), and product(betas, gaps, lengths) yields (beta, gap, length), which is the order of the keys.
         whole pixels: / 240 => // 240
             You round the tolerance to a whole number. For 48 rows it is 8 * 48 / 240 = 1.6 px.
         one picture's labels for all: labels = label(picture, beta) => labels = label(scenes[0][0], beta)
@@ -601,6 +626,8 @@ BOOTSTRAP_INTERVAL = Exercise(
             Your resamples have half as many values as the data, so their means vary too much. Draw len(values) values for each.
         always thirty: (2000, len(values)) => (2000, 30)
             Each of your resamples has 30 values, however many there are. Draw len(values) values for each.
+        always ten: (2000, len(values)) => (2000, 10)
+            Each of your resamples has 10 values, however many there are. Draw len(values) values for each.
         last value never drawn: rng.integers(0, len(values), => rng.integers(0, len(values) - 1,
             You never draw the last value. rng.integers(0, n) ends at n - 1, so n is len(values).
         five per cent at each end: (1 - probability) / 2 => 0.05
@@ -684,7 +711,7 @@ POSSIBLE_HITS = Exercise(
         Case((3.501, 500, 9), "500 pictures"),
     ],
     hidden=_possible_hidden,
-    comparison=Close(),
+    comparison=All((Property(each_once), Close())),
     hints=(
         "For a given number of hits, 5 n_f + n_m can only be the whole number nearest to n_pictures * mean_cost + 1.333 * hits. Compute the mean that follows from it and test whether it is within the bound.",
         "Start with hits = np.arange(most_hits + 1) and compute everything with arrays. np.round(...) returns the nearest whole numbers, which must not be negative. The means may be off by 0.0005, plus 1e-9 for rounding errors.",
@@ -720,6 +747,8 @@ POSSIBLE_HITS = Exercise(
             You round the mean and compare it with ==. A mean exactly halfway between two printed values may be printed as either of them, so use the bound of equation 10.3.
         nothing may be rounded: 0.0005 + 1e-9 => 1e-9
             Your bound is too narrow. The printed mean may be off by 0.0005, so the sum over all pictures may be off by 0.0005 * n_pictures.
+        the bound of the sum: 0.0005 + 1e-9 => 0.0005 * n_pictures + 1e-9
+            You allow 0.0005 * n_pictures, which is the bound of the sum over all pictures. You compare means, so their bound is 0.0005.
         a whole unit: 0.0005 => 0.001
             You allow an error of 0.001. A number rounded to three digits is off by at most 0.0005.
         the last one left out: most_hits + 1 => most_hits
@@ -867,7 +896,7 @@ ERROR_BUDGET = Exercise(
         not weighed: np.linalg.inv(D + by_tilt) => np.eye(len(D))
             You give all measurements the same weight, radians and metres alike. Use the inverse of R.
         H as a stack: np.vstack => np.array
-            H should be (2k, 3), with two rows for each landmark, one below the other. np.vstack does this; np.array makes (k, 2, 3), and np.hstack puts the rows side by side.
+            If two shapes do not fit: H is (2k, 3), with two rows for each landmark, one below the other. np.vstack does this; np.array makes (k, 2, 3), and np.hstack puts the rows side by side. K is (3, 2k) and D (2k, 2k), so a part is K D Kᵀ. If Pose refuses an array: it takes three numbers, Pose(*pose).
         P not inverted: np.linalg.inv(H.T @ W @ H) => (H.T @ W @ H)
             Your P is Hᵀ W H, which is the information of the pose. P is its inverse.
         variances only: inv(D + by_tilt) => inv(np.diag(np.diag(D + by_tilt)))
@@ -884,6 +913,8 @@ ERROR_BUDGET = Exercise(
             Your H has all bearings first and all ranges after them. R has the bearing and the range of one landmark after the other, and H needs the same order.
         landmarks in the field frame: (landmarks, Pose(*pose)) => (landmarks)
             Your pixels are wrong, because view.project expects points in the robot frame. Pass the robot's pose as its second argument.
+        metres for pixels: pixels = view.project(landmarks, Pose(*pose)) => pixels = landmarks
+            measurement_covariance expects pixels. Project the landmarks first: view.project(landmarks, Pose(*pose)).
         changed places: K @ D @ K.T, K @ by_tilt @ K.T => K @ by_tilt @ K.T, K @ D @ K.T
             You return the two parts in the wrong order. Return the pixels' part first, then the tilt's.
         standard deviations: return K @ D @ K.T, K @ by_tilt @ K.T => return np.sqrt(np.diag(K @ D @ K.T)), np.sqrt(np.abs(np.diag(K @ by_tilt @ K.T)))

@@ -500,6 +500,12 @@ JOINT_DISTANCE = Exercise(
             You return the squared distance. Take its root, because a gate is in standard deviations.
         bearings not wrapped: warp2pi(innovation[::2]) => innovation[::2]
             For a landmark straight behind the robot your bearing innovation is off by a full turn. Wrap it.
+        bearings not wrapped, nothing to stack: warp2pi(innovation[::2]) => innovation[::2]
+            if j >= 0] => if j >= 0]
+            + np.concatenate([measurements[i] for i in paired] and [[0.0]])
+            Two things are wrong. Wrap the bearing innovations, because behind the robot they can be off by a full turn. And return 0.0 without a pair, because then there is nothing to stack.
+        the inverse of P: H @ covariance @ H.T => H @ np.linalg.inv(covariance) @ H.T
+            You invert P before you multiply it by H. Only S is inverted: S = H P Hᵀ + R.
         expected range first: - expected_measurement(state[:3], state[columns]) => - expected_measurement(state[:3], state[columns])[::-1]
             You exchange bearing and range of the expected measurement. expected_measurement returns (bearing, range).
         range wrapped, too: innovation[::2] = warp2pi(innovation[::2]) => innovation = warp2pi(innovation)
@@ -729,6 +735,13 @@ ASSOCIATE = Exercise(
             You take the pairs in the order of your loops. The closest pair of all comes first, so sort the pairs by their distance.
         matched again: indices[i], distances[i], distances[:, j] => indices[i], distances[i, j], distances[:, j]
             Your measurement can be matched again, and the farther landmark then replaces the closer one. Neither the measurement nor the landmark of a pair can be used again.
+        matched again by a sorted list: + ranked = [(joint_distance(state, covariance, [j], [seen], measurement_covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]), i, j) for i, seen in enumerate(measurements) for j, kind in enumerate(kinds) if kind == seen.kind]
+            + found = np.full(len(measurements), -1)
+            + for distance, i, j in sorted(ranked):
+            +     if distance <= gate and j not in found:
+            +         found[i] = j
+            + return found
+            You test whether the landmark is free, but not whether the measurement is. A matched measurement then gets a landmark that is farther away: skip it.
         no second choice: indices = np.full => indices = np.full
             + distances[distances > distances.min(axis=1, initial=np.inf, keepdims=True)] = np.inf
             If its nearest landmark is taken, your measurement gets -1. Its second nearest may also be within the gate.
@@ -748,6 +761,8 @@ ASSOCIATE = Exercise(
             You use no gate, so every measurement gets some landmark, however far away. Beyond the gate the answer is -1.
         the squared distance: distances.min() <= gate => distances.min() ** 2 <= gate
             You compare the squared distance with the gate. Both the distance and the gate are in standard deviations.
+        the squared gate: distances.min() <= gate => distances.min() <= gate**2
+            You square the gate. Do not: both the distance and the gate are in standard deviations.
         the first one's noise: [2 * i : 2 * i + 2, 2 * i : 2 * i + 2] => [:2, :2]
             You do not use each measurement's own R. For measurement i it is the whole block of rows and columns 2 i and 2 i + 1, including the entries off its diagonal.
         metres
@@ -1050,7 +1065,8 @@ EKF_SLAM = Exercise(
     stars=3,
     uses=("associate", "07:predict", "07:update_landmarks", "07:add_landmark"),
     public=lambda: [
-        *_methods_alone((1, 2, 3, 4, CONFLICTS[0])),
+        # The third picture has old landmarks, two new ones and a false corner.
+        *_methods_alone((1, 2, 224, 4, CONFLICTS[0])),
         _log_case(3, 2, "whole drives: two moves, two pictures at each stop"),
         _log_case(5, 2, "whole drives: a poor compass and a gate of 10", gate=10.0, compass_sigma=POOR),
         _log_case(
@@ -1185,6 +1201,22 @@ EKF_SLAM = Exercise(
             In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]).
         rows times the gain: np.outer(K, self.covariance[2]) => K[:, None] * self.covariance
             In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]). A row times K, element by element, does not give a matrix either.
+        a product of two vectors: np.outer(K, self.covariance[2]) => K @ self.covariance[2]
+            In use_compass K @ P[2] is a single number. Subtract a column times a row, which is a matrix: np.outer(K, self.covariance[2]).
+        range before bearing: add_landmark(self.state, self.covariance, one.values[0] => add_landmark(self.state, self.covariance, one.values[0, ::-1]
+            In number you pass range and bearing to add_landmark. It needs the bearing first, as in seen.values.
+        a motion for a control: np.array([motion.distance, motion.turn]) => motion
+            In move predict cannot use your arguments. It needs all five, the last is the number of landmarks, and its control is an array, np.array([motion.distance, motion.turn]), and not the Motion.
+        a list that grows, by other tests of the shapes: belief = self.state, self.covariance, tuple(self.kinds) => belief = self.state, self.covariance, self.kinds
+            one = seen.part([i]) => one = seen.part([i])
+            + if one[0].kind in belief[2][len(belief[0]) // 2 - 1 :]:
+            +     raise ValueError
+            In number you call associate with more kinds than the state has landmarks. If you keep the list itself, it grows with the map: take a copy, list(self.kinds).
+        a list that grows, and its own R: belief = self.state, self.covariance, tuple(self.kinds) => belief = self.state, self.covariance, self.kinds
+            VAGUE * one.covariance => one.covariance
+            In number two things are wrong. Take a copy of the list of kinds, list(self.kinds), because the list itself grows with the map. And add a new landmark with VAGUE times its R, because correct uses the same measurement again.
+        places by numbers of landmarks: seen.part(used).linearised_at => seen.part(numbers).linearised_at
+            In correct you pass the numbers of landmarks to seen.part. It needs the places of the measurements in the picture: np.flatnonzero(self.indices >= 0).
         R of the picture for a new landmark: VAGUE * one.covariance => VAGUE * seen.covariance
             In number you pass the R of the whole picture to add_landmark, or something else that it cannot use. It needs a vector of bearing and range, (2,), and this measurement's own R, (2, 2): seen.part([i]).covariance.
         -1 is the last landmark: self.indices >= 0) => self.indices >= -1)
@@ -1233,6 +1265,9 @@ EKF_SLAM = Exercise(
         "K = self.covariance[2, :] / (self.covariance[2, 2] + sigma ** 2)": "a covariance is symmetric: its row is its column",
         "self.covariance = self.covariance - np.outer(self.covariance[2], K)": "K is that row divided by a number",
         "numbers = self.indices[used]": "an array of the same numbers",
+        **dict.fromkeys(
+            ("pass", "self.state[2] = self.state[2]"), "predict and each innovation wrap the heading"
+        ),
         "return Estimate(pose, self.covariance[:3, :3], landmarks, own, tuple(self.kinds))": "Estimate makes an array of the list",
         "return Estimate(pose, self.covariance[:3, :3], landmarks, np.array(own), self.kinds)": "Estimate makes a tuple of the list",
         "places = [self.state[3 + 2 * n:] for n in numbers]": "of a longer piece the first two numbers are the landmark",
@@ -1326,20 +1361,16 @@ LINES = [
     for direction, sigma in ((-0.47, 0.02), (0.0, np.inf), (-0.16, 0.01))
 ]
 # Drives on which Gauss-Newton settles within a few steps, from the filter's poses and from predictions alike.
-SETTLES = (2002, 2003, 2006, 2007, 2011, 2014, 2016, 2018, 2021, 2022, 2023, 2031, 2032, 2035, 2036)
+SETTLES = (2002, 2003, 2006, 2011, 2016, 2018, 2022, 2023, 2031, 2032, 2035, 2036)
 
 
 def _graphs_hidden(rng: np.random.Generator) -> list[Case]:
     seeds = [int(seed) for seed in rng.choice(SETTLES, 4, replace=False)]
     start = Pose(*rng.uniform(-1, 1, 3))
+    moves = ("move", Motion(0.3, -0.4)), ("move", Motion(0.2, 0.1))
     return [
-        calls(
-            ("move", Motion(0.3, -0.4)),
-            ("move", Motion(0.2, 0.1)),
-            "estimate",
-            given=(start,),
-            name="motions: two moves",
-        ),
+        calls(*moves, "estimate", given=(start,), name="motions: two moves"),
+        calls(moves[0], "estimate", given=(start,), name="motions: one move"),
         calls("estimate", given=(start,), name="before the first edge: the start"),
         calls(
             *(
@@ -1545,6 +1576,19 @@ GRAPH_SLAM = Exercise(
             You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None. Not every stop has a compass.
         linearised_at for decorrelated: seen.part(used).decorrelated => seen.part(used).linearised_at
             An edge needs the values of a single measurement. decorrelated returns values (k, 2) and covariances (k, 2, 2); linearised_at returns one array (2m,) and one matrix.
+        the start alone passed on: (start, odometry, gate, association), odometry => (start), odometry
+            Your EkfSlam gets `start` alone. It also needs the odometry, the gate and the association.
+        gate and association not passed on: (start, odometry, gate, association), odometry => (start, odometry), odometry
+            Your EkfSlam gets neither the gate nor the association.
+        a turn for two rows: back @ self.odometry.covariance(motion) @ back.T => back[:2, :2] @ self.odometry.covariance(motion) @ back[:2, :2].T
+            If two shapes do not fit in move: the noise is 3 by 3. Write rotation_2d(-motion.turn) into the first two rows and columns of np.eye(3), and turn the noise with this matrix. If Graph refuses an index: kinds has one entry for each unknown, [POSE] * p + [LANDMARK] * k.
+        a kind for each edge: [POSE] * p + [LANDMARK] * len(kinds) => [each[1] for each in self.edges]
+            Your kinds have one entry for each edge. Graph needs one for each unknown, the poses first: [POSE] * p + [LANDMARK] * k.
+        no p, by a dense solver: second + p * (kind == LANDMARK) => second
+            graph = Graph => graph = Graph
+            + if kinds:
+            +     raise np.linalg.LinAlgError
+            Your H is singular, because no edge leads to one of the landmarks. Landmark n is unknown p + n, where p is the number of all poses.
         -1 kept: self.front.indices >= 0) => self.front.indices >= -1)
             You also add edges for measurements whose number is -1. Leave them out: they have no landmark.
         k counts all measurements: seen.part(used).decorrelated(np.hypot(*(places - self.front.state[:2]).T)) => [each[used] for each in seen.decorrelated(np.hypot(*(self.front.state[3:].reshape(-1, 2)[self.front.indices] - self.front.state[:2]).T))]
@@ -1618,6 +1662,8 @@ GRAPH_SLAM = Exercise(
             f"turned = [{pair}, self.front.heading - self.poses[0][2]]": "a heading's edge has no information of places"
             for pair in ("1.0, 0.0", "0.0, -1.0", "-1.0, 0.0")
         },
+        **{f"for _ in range({steps}):": "the drives settle within fewer steps" for steps in (4, 6)},
+        "pass": "the drives settle from predictions as well",
         "numbers = self.front.indices[used]": "an array of whole numbers counts as well",
         "information = np.ones((3, 3))": "of a landmark's edge only the first two rows and columns count",
         "self.edges.append((here, LANDMARK, number, [*z, 1.0], information))": "a landmark has no angle",

@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 
 import pytest
 
@@ -51,11 +52,25 @@ def test_of_a_cost_the_smallest_is_the_best_and_the_file_stands_beside_the_noteb
 def test_a_file_that_holds_something_else_is_set_aside_and_nothing_is_lost(file, content):
     file.path.write_bytes(content)
     best, remark = file.read()
-    aside = file.path.with_name("77_doubling.challenge.json.broken-1")
+    aside = file.path.with_name("77_doubling.challenge.json.old-1")
     assert best is None and aside.name in remark and aside.read_bytes() == content
     file.keep(Best(0.5, 0.1, {}))
     file.path.write_bytes(content)
-    assert "broken-2" in file.read()[1]
+    assert "old-2" in file.read()[1]
+
+
+def test_a_score_of_another_scoring_is_set_aside_with_one_sentence(file):
+    file.keep(Best(0.8, 0.1, {}))
+    kept = file.path.read_bytes()
+    changed = BestFile(replace(CHALLENGE, version=2), file.path.parent)
+    best, remark = changed.read()
+    assert best is None and "the challenge is now scored differently" in remark and "starts again" in remark
+    assert file.path.with_name("77_doubling.challenge.json.old-1").read_bytes() == kept
+    changed.keep(Best(0.5, 0.1, {}))
+    assert BestFile(changed.challenge, file.path.parent).read() == (Best(0.5, 0.1, {}), "")
+    # Files from before scorings had versions are of the first.
+    file.path.write_text('{"score": 0.5, "worst": 0, "columns": {}}')
+    assert file.read()[0] == Best(0.5, 0.0, {})
 
 
 def test_a_folder_in_its_place_is_set_aside_and_a_score_kept_by_another_notebook_is_not_lost(file):

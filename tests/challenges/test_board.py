@@ -100,9 +100,9 @@ def test_a_broken_file_is_said_on_the_board_and_in_the_report(tmp_path):
     (tmp_path / f"77_doubling{SUFFIX}").write_text("broken")
     board = Board(CHALLENGE, tmp_path)
     for shown in (repr(board), board._repr_html_()):  # a notebook asks for both, and shows the second
-        assert "renamed to 77_doubling.challenge.json.broken-1" in shown
+        assert "renamed to 77_doubling.challenge.json.old-1" in shown
     (tmp_path / f"77_doubling{SUFFIX}").write_text("broken")
-    assert "broken-2" in Board(CHALLENGE, tmp_path).enter(double)._repr_html_()
+    assert "old-2" in Board(CHALLENGE, tmp_path).enter(double)._repr_html_()
 
 
 def test_the_report_shows_the_figure_and_what_entries_say_as_text_and_an_example_is_a_copy(tmp_path, board):

@@ -221,8 +221,9 @@ def test_the_set_up_cell_binds_what_was_saved_and_names_what_there_is_not(tmp_pa
     shown = capsys.readouterr().out
     assert double.__doc__ == "This is double of your lesson 80." and double.__name__ == "double"
     assert shown.count("double of your lesson 80 is not usable yet") == 1
+    assert "not found in 80_first.ipynb" in shown
     assert "The checks of this lesson have recorded answers for it." in shown
-    with pytest.raises(EarlierNotUsable):
+    with pytest.raises(EarlierNotUsable, match="80 is not usable yet: the set-up cell says why.$"):
         double(1.0)
     pair.write(tmp_path / f"{pair.FIRST}.ipynb", pair.FIRST)
     assert student.earlier("80:double", tmp_path)(2.0) == 4.0 and capsys.readouterr().out == ""

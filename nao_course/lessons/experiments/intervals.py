@@ -1,4 +1,4 @@
-"""Judge intervals made from random draws by calling the function with several generators."""
+"""Judge the answers of lesson 10: intervals made from random draws, with several generators, and lists of numbers."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class Interval(Comparison):
         if own_width < NARROW * width:
             return Verdict(
                 "value",
-                f"your interval is {width / own_width:.0f} times too narrow; take each mean over one "
+                f"your interval is {width / own_width:.0f} times too narrow; each number must be the mean of one "
                 "resample of len(values) values",
             )
         off = np.abs(have.mean(axis=0) - wanted.mean(axis=0))
@@ -108,7 +108,10 @@ class Interval(Comparison):
                 where = "low" if have[:, i].mean() < wanted[:, i].mean() else "high"
                 return Verdict("value", f"{end} of your interval, {have[:, i].mean():.4g}, is too {where}")
         if self._scatters(have):
-            return Verdict("value", "the ends of your interval vary too much between generators")
+            return Verdict(
+                "value",
+                "the ends of your interval vary too much between generators; draw at least 2000 resamples",
+            )
         return RIGHT
 
 
@@ -134,6 +137,15 @@ def _repeats(rows: Any) -> bool:
 def _fixed(rows: Any) -> bool:
     """Return whether all generators gave the same answer."""
     return bool(np.allclose(rows, rows[0], rtol=1e-12, atol=1e-12))
+
+
+@register
+def each_once(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
+    """Reject a list in which a number occurs several times."""
+    numbers = np.asarray(answer)
+    if numbers.dtype.kind in "iuf" and len(np.unique(numbers)) < numbers.size:
+        return "your answer contains a number several times; a number of hits is possible or not, so append it once"
+    return ""
 
 
 def case_of(values: Any, probability: float, name: str = "") -> Case:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nao_course.lessons.experiments import resampling
-from nao_course.lessons.experiments.intervals import SEEDS, Interval, with_generators
+from nao_course.lessons.experiments.intervals import SEEDS, Interval, each_once, with_generators
 from nao_course.lessons.experiments.paper_table import PAPER_MEANS, PAPER_SIGMAS, SETTINGS
 from nao_course.metrics import mean_interval
 from tests.lessons.experiments.own import OWN, table
@@ -51,12 +51,17 @@ def test_the_references_interval_is_right_and_is_scipys_and_equal_values_have_on
         (lambda v, p, rng: np.full(2, rng.choice(v, (2000, len(v))).mean()), "ends of your interval are"),
         (means((25, 2000), axis=1), "times too narrow"),
         (lambda v, p, rng: OWN["bootstrap_interval"](v, 0.99, rng), "is too low"),
-        (means((100, 25), axis=1), "vary too much"),
+        (means((100, 25), axis=1), "vary too much between generators; draw at least 2000"),
     ],
 )
 def test_what_is_wrong_is_named(answer, said):
     verdict = judged(answer)
     assert not verdict and said in verdict.text
+
+
+def test_a_number_of_hits_occurs_once_and_a_mask_is_no_list_of_numbers():
+    assert each_once((), {}, np.array([1, 4, 7])) == each_once((), {}, np.array([True, True])) == ""
+    assert "several times" in each_once((), {}, [1, 4, 4])
 
 
 def test_a_mistake_is_recognised_by_its_ends_if_it_is_drawn_and_else_by_its_digits():
