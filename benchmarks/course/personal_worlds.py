@@ -14,7 +14,7 @@ from nao_course._internal.personal_world import EXAMPLE, PersonalWorld
 from nao_course.exercises.earlier import resolved_by
 from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_solution, solutions_beside
-from nao_course.instructor.personal_numbers import numbers_of
+from nao_course.instructor.commands.personal_numbers import numbers_of
 from nao_course.instructor.reports.answer_numbers import compare_numbers, numbers_in
 
 CLASSES = (20, 40, 150)

@@ -9,7 +9,7 @@ import pytest
 from nao_course._internal.personal_world import PersonalWorld
 from nao_course.exercises.earlier import resolved_by
 from nao_course.instructor.authoring.plans import solutions_beside
-from nao_course.instructor.personal_numbers import numbers_of
+from nao_course.instructor.commands.personal_numbers import numbers_of
 from nao_course.lessons import beyond, distance, hsl_filtering, localization
 from nao_course.lessons.distance.personal import personal_landmarks
 from nao_course.lessons.hsl_filtering.payoff import GREEN, YELLOW
