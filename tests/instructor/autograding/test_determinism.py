@@ -72,9 +72,8 @@ def process_state():
 @pytest.mark.parametrize("lesson", LESSONS)
 def test_copies_of_one_submission_have_one_result(lesson, warm_server, tmp_path):
     runs, copies = RUNS, COPIES
-    if (
-        lesson not in QUICK
-    ):  # is graded once, by six jobs or by two workers: its cases and drivers are its own
+    # The others are graded once, by six jobs or by two workers: their cases and drivers are their own.
+    if lesson not in QUICK:
         runs, copies = [RUNS[1 + int(lesson[:2]) % 2]], ("plain", "plain")
     course, level = load_course(PROJECT), warm_server.sandbox.level
     assignment = prepare(course, lesson, b"x" * 32)
