@@ -19,10 +19,8 @@ LARGEST_NUMBER = 1e10  # m, m/s or ms
 # The car and the laser, as info.txt and car.bmp of the data set describe them.
 WHEELBASE = 2.83  # m
 ENCODER = 0.76  # m from the middle of the rear axle to its left wheel, whose speed is measured
-LASER = (
-    0.95 + WHEELBASE,
-    0.5,
-)  # m ahead and to the left of the middle of the rear axle; the GPS has the same place
+# The laser, and the antenna of the GPS above it, in m ahead and to the left of the middle of the rear axle.
+LASER = 0.95 + WHEELBASE, 0.5
 LARGEST_STEERING = 1.0  # rad
 BEAMS = 361
 SPACING = np.pi / 360  # rad; the first beam points to the right
