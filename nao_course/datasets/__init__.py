@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nao_course.datasets.mrclam import MrclamLog, read_mrclam_log
     from nao_course.datasets.pictures import AnnotatedPoint, PictureSet, PointKind, RealPicture, read_pictures
     from nao_course.datasets.real_walk import recorded_walk
+    from nao_course.datasets.victoria_park import VictoriaParkLog, read_victoria_park
 
 __all__ = [
     "DATA_VARIABLE",
@@ -34,6 +35,7 @@ __all__ = [
     "PictureSet",
     "PointKind",
     "RealPicture",
+    "VictoriaParkLog",
     "data_folder",
     "intel_graph",
     "read_carmen_log",
@@ -44,6 +46,7 @@ __all__ = [
     "read_mcap_log",
     "read_mrclam_log",
     "read_pictures",
+    "read_victoria_park",
     "recorded_walk",
     "write_g2o",
     "write_homework_log",
