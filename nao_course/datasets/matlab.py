@@ -1,7 +1,6 @@
 """Arrays of numbers in MATLAB files from unknown sources.
 
-SciPy 1.17's ``loadmat`` is not used here because a damaged file can end Python with a segmentation fault: a wrong byte
-in the type of an array's numbers is enough, or 200,000 cells that are nested in each other.
+SciPy 1.17's ``loadmat`` is not used here because a damaged file can end Python with a segmentation fault.
 """
 
 from __future__ import annotations

@@ -157,36 +157,12 @@ def element(kind, data):
     return struct.pack("<II", kind, len(data)) + data + bytes(0 if kind == 15 else -len(data) % 8)
 
 
-def matrix(matlab_class, name):
-    """Return an array of one row and column, as MATLAB writes it."""
-    flags = element(6, struct.pack("<II", matlab_class, 0)) + element(5, struct.pack("<ii", 1, 1))
-    return element(14, flags + element(1, name))
-
-
-def test_a_file_that_would_fill_the_memory_or_end_python_is_refused(tmp_path, monkeypatch):
-    """Refuse zeros that zlib compresses a thousandfold, and cells nested deeper than SciPy can read."""
+def test_a_file_that_would_fill_the_memory_is_refused(tmp_path, monkeypatch):
     folder_of(tmp_path, a_log())
     path = tmp_path / "aa3_gpsx.mat"
-    header = path.read_bytes()[:128]
     monkeypatch.setattr(victoria_park, "LARGEST_FILE", 1_000_000)
-    path.write_bytes(header + element(15, zlib.compress(bytes(50_000_000))))
+    path.write_bytes(path.read_bytes()[:128] + element(15, zlib.compress(bytes(5_000_000))))
     with pytest.raises(ValueError, match=r"aa3_gpsx\.mat: .*too large after it has been decompressed"):
-        read_victoria_park(tmp_path)
-    inner, depth = matrix(1, b""), 200_000
-    size = len(inner)
-    levels = [struct.pack("<II", 14, size * level - 8) + inner[8:] for level in range(depth, 0, -1)]
-    body = b"".join(levels)
-    outer = matrix(1, b"timeGps")
-    cells = struct.pack("<II", 14, len(outer) - 8 + len(body)) + outer[8:] + body
-    monkeypatch.setattr(victoria_park, "LARGEST_FILE", 50_000_000)
-    folder_of(tmp_path, a_log())
-    good = path.read_bytes()
-    kind = good.index(b"timeGps") + 8  # the type of the numbers
-    path.write_bytes(good[:kind] + b"\xff" + good[kind + 1 :])
-    with pytest.raises(ValueError, match=r"aa3_gpsx\.mat: cannot be read as a MATLAB file"):
-        read_victoria_park(tmp_path)
-    path.write_bytes(header + cells)
-    with pytest.raises(ValueError, match=r"aa3_gpsx\.mat: .*timeGps is not an array of real numbers"):
         read_victoria_park(tmp_path)
 
 
