@@ -1,0 +1,81 @@
+"""How fast the student's control panel answers in a browser: pictures a second, and the time from a key to its picture.
+
+``python -m benchmarks panel`` opens JupyterLab and Chromium, drives `my_nao()` with the solutions' functions by keys, and
+counts the pictures that the browser has loaded. The machine's load is stated, because browser, server and kernel share
+its cores.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.progress import track
+
+from benchmarks import ROOT, Result, Table, chromium
+from tests.browser.lab import browser_page, jupyter_lab
+
+PANELS = {
+    "the cameras' pictures": 'my_nao(upto="00")',
+    "own labels": 'my_nao(upto="01")',
+    "all stages": "my_nao()",
+}
+SECONDS = 10.0  # of driving, with a key every 60 ms
+KEYS = 20  # single keys, each after the panel has come to rest
+LISTEN = """root => {
+  const noted = window.noted = { keys: [], shown: [] };
+  root.addEventListener('keydown', () => noted.keys.push(performance.now()), true);
+  root.addEventListener('load', event => {
+    if (event.target.closest('.nao-chosen')) noted.shown.push(performance.now());
+  }, true);
+}"""
+
+
+def measure(page: Any, panel: Any) -> dict[str, float]:
+    """Return the pictures a second of the chosen camera, and the 95 % quantile from a key to its picture in ms."""
+    panel.evaluate(LISTEN)
+    panel.locator(".nao-chosen").click()
+    waits = []
+    for number in range(KEYS):
+        page.evaluate("noted.keys.length = noted.shown.length = 0")
+        page.keyboard.press("jl"[number % 2])
+        page.wait_for_function("noted.shown.length > 0", timeout=60_000)
+        waits.append(page.evaluate("noted.shown[0] - noted.keys[0]"))
+        page.wait_for_timeout(700)
+    page.evaluate("noted.shown.length = 0")
+    begin = page.evaluate("performance.now()")
+    while (passed := page.evaluate("performance.now()") - begin) < 1000 * SECONDS:
+        page.keyboard.press("wasd"[int(passed / 2500) % 4])
+        page.wait_for_timeout(60)
+    shown = page.evaluate("noted.shown.length")
+    return {
+        "pictures a second": 1000 * shown / passed,
+        "from a key to its picture, ms (median)": float(np.median(waits)),
+        "from a key to its picture, ms (95 %)": float(np.quantile(waits, 0.95)),
+    }
+
+
+def main() -> Result:
+    """Measure each panel in turn."""
+    found = {}
+    with tempfile.TemporaryDirectory() as folder:
+        notebooks = Path(folder, "notebooks")
+        notebooks.mkdir()
+        for path in (ROOT / "solutions").glob("*.ipynb"):
+            shutil.copy2(path, notebooks)
+        with jupyter_lab(notebooks, Path(folder, "settings")) as lab, browser_page(chromium()) as page:
+            page.set_viewport_size({"width": 1280, "height": 800})
+            for number, (name, call) in enumerate(track(PANELS.items(), "panels")):
+                lab.write(f"panel{number}.ipynb", f"from nao_course.student import my_nao\n{call}")
+                lab.open(page, f"panel{number}.ipynb")
+                lab.run_all(page)
+                panel = page.locator(".nao-panel")
+                panel.locator("img").first.wait_for(timeout=240_000)
+                load = os.getloadavg()[0]
+                found[name] = measure(page, panel) | {"load": load}
+                lab.close_notebooks()
+    return Result("panel", found, (Table.of("The control panel in a browser", found),))
