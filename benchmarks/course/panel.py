@@ -1,8 +1,8 @@
-"""How fast the student's control panel answers in a browser: pictures a second, and the time from a key to its picture.
+"""How fast the student's control panel answers in a browser: pictures a second, and from a key to its picture.
 
-``python -m benchmarks panel`` opens JupyterLab and Chromium, drives `my_nao()` with the solutions' functions by keys, and
-counts the pictures that the browser has loaded. The machine's load is stated, because browser, server and kernel share
-its cores.
+``python -m benchmarks panel`` opens JupyterLab and Chromium, drives `my_nao()` with the solutions' functions by keys,
+and counts the pictures that the browser has loaded. The machine's load is stated, because browser, server and kernel
+share its cores.
 """
 
 from __future__ import annotations

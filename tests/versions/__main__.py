@@ -1,4 +1,4 @@
-"""Run the quick tier with other versions: ``python -m tests.versions lowest-direct``, or ``highest`` with more arguments.
+"""Run the quick tier with other versions: ``python -m tests.versions lowest-direct``, or ``highest``.
 
 ``python -m tests.versions highest --python python3.13 -x`` gives the interpreter, and pytest whatever follows.
 """
