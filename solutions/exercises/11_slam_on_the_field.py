@@ -1362,10 +1362,12 @@ LINES = [
 ]
 # Drives on which Gauss-Newton settles within a few steps, from the filter's poses and from predictions alike.
 SETTLES = (2002, 2003, 2006, 2011, 2016, 2018, 2022, 2023, 2031, 2032, 2035, 2036)
+# The same with odometry twice as bad, where in addition a gate of 2 leaves out what a gate of 4 uses.
+GATED = (2000, 2001, 2004, 2006, 2009, 2011, 2016, 2017, 2022, 2027, 2031, 2035)
 
 
 def _graphs_hidden(rng: np.random.Generator) -> list[Case]:
-    seeds = [int(seed) for seed in rng.choice(SETTLES, 4, replace=False)]
+    seeds = [int(seed) for seed in rng.choice(SETTLES, 3, replace=False)]
     start = Pose(*rng.uniform(-1, 1, 3))
     moves = ("move", Motion(0.3, -0.4)), ("move", Motion(0.2, 0.1))
     return [
@@ -1391,9 +1393,9 @@ def _graphs_hidden(rng: np.random.Generator) -> list[Case]:
         ),
         _log_case(seeds[0], 3, DRIVES, at_end=True),
         _log_case(seeds[1], 3, DRIVES, at_end=True, compass_sigma=COMPASS, circle_rate=0.0),
-        _log_case(seeds[2], 2, DRIVES, gate=2.0, at_end=True, odometry=WORSE),
+        _log_case(int(rng.choice(GATED)), 2, DRIVES, gate=2.0, at_end=True, odometry=WORSE),
         _log_case(int(rng.choice(PARTED)), 3, DRIVES, at_end=True, given=(associate_jointly,)),
-        _log_case(seeds[3], 2, DRIVES, plain=True, at_end=True),
+        _log_case(seeds[2], 2, DRIVES, plain=True, at_end=True),
     ]
 
 
