@@ -63,14 +63,15 @@ def test_the_students_own_labels_drive_along(lab, page):
 
 
 def test_the_keys_that_drive_destroy_nothing_beside_the_panel(lab, page):
-    """D D would delete the cell, I I would interrupt the kernel; the menu still deletes a cell."""
+    """D D would delete the cell, A insert one, M turn it into text, I I interrupt the kernel; the menu still deletes."""
     cells = "from nao_course.student import my_nao\nmy_nao()", "1 + 1"
     panel = panel_of(lab, page, "keys.ipynb", *cells, kind=".nao-panel")
     box = panel.bounding_box()
     page.mouse.click(box["x"] + box["width"] + 6, box["y"] + box["height"] / 2)
-    for key in "ddiixwwssjjkkll":
+    for key in "ddiixamvwwssjjkkll":
         page.keyboard.press(key)
-    cells = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
+    cells = """() => window.jupyterapp.shell.currentWidget.content.widgets
+        .filter(each => each.model.type === 'code').length"""
     assert page.evaluate(cells) == 2 and "KeyboardInterrupt" not in "".join(lab.errors(page))
     page.get_by_role("menuitem", name="Edit").click()
     page.get_by_role("menuitem", name="Delete Cell", exact=True).click()

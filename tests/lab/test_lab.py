@@ -50,13 +50,16 @@ def test_the_lesson_that_was_run_and_saved_last_is_opened_and_at_first_the_first
     assert "default_url" not in str(lab.command(tmp_path, hub=True))
 
 
-def test_the_keys_that_drive_the_robot_neither_cut_nor_delete_a_cell_beside_its_panel():
+def test_the_keys_that_drive_the_robot_change_no_cell_beside_its_panel():
     overrides = json.loads((PACKAGE / "lab" / "settings" / "overrides.json").read_text())
     ours = overrides["@jupyterlab/shortcuts-extension:shortcuts"]["shortcuts"]
     off = [(each["command"], each["keys"], each["selector"]) for each in ours if each["disabled"]]
     assert [(command, keys) for command, keys, _ in off] == [
         ("notebook:delete-cell", ["D", "D"]),
         ("notebook:cut-cell", ["X"]),
+        ("notebook:paste-cell-below", ["V"]),
+        ("notebook:change-cell-to-markdown", ["M"]),
+        ("notebook:insert-cell-above", ["A"]),
         ("kernelmenu:interrupt", ["I", "I"]),
     ]
     schemas = Path(sys.prefix, "share", "jupyter", "lab", "schemas", "@jupyterlab")
