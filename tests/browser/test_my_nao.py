@@ -63,7 +63,7 @@ def test_the_students_own_labels_drive_along(lab, page):
 
 
 def test_the_keys_that_drive_destroy_nothing_beside_the_panel(lab, page):
-    """D D would delete the cell, A insert one, M turn it into text, I I interrupt the kernel; the menu still deletes."""
+    """JupyterLab would delete cells, insert some, turn them into text or interrupt; the menu still deletes."""
     cells = "from nao_course.student import my_nao\nmy_nao()", "1 + 1"
     panel = panel_of(lab, page, "keys.ipynb", *cells, kind=".nao-panel")
     box = panel.bounding_box()
