@@ -77,7 +77,7 @@ WITHOUT_IDS = ("Kaggle", "Deepnote", DOUBLED)
 
 
 @each_front_end
-@pytest.mark.parametrize("above", [1, 9])
+@pytest.mark.parametrize("above", [1, 10])
 def test_a_text_cell_that_a_student_has_changed_is_an_answer_only_directly_above_its_question(
     name, above, tmp_path
 ):
