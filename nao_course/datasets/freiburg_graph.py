@@ -18,7 +18,6 @@ from nao_course.graphs import LANDMARK, POSE, Graph
 
 LARGEST_FILE = 50_000_000  # bytes
 WIDTH = {"P": 3, "L": 2}
-KIND = {"P": POSE, "L": LANDMARK}
 
 
 def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArray]:

@@ -58,7 +58,6 @@ _CSS = """
 .nao-controls .widget-slider { width: 100%; height: 24px; margin: 0; }
 .nao-controls .jupyter-widget-Collapse-contents { padding: 4px; }
 """
-_TILT = float(np.radians(3.0))  # the largest on the slider, rad
 
 
 class RealityDial:

@@ -27,7 +27,6 @@ PLACES = {
 }
 MORE_ROOMS = range(101, 106)  # seeds of the five sets in `more_rooms`
 HEAD_PITCH = float(np.radians(-24.6))  # as in the standard scenes: the bottom camera looks 15.1 degrees down
-BEHIND = 0.7  # m of carpet behind the field's outer lines
 _WHOLE = Field(2012, half=False)  # there the goal line can be 6 m away
 _ASIDE = -1.55  # m: from here the middle columns see the goal line and carpet, nothing else
 

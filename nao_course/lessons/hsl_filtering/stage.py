@@ -8,7 +8,6 @@ import numpy as np
 
 from nao_course import plotting
 from nao_course.geometry import Pose
-from nao_course.lessons.hsl_filtering.payoff import without_edges
 from nao_course.sim import LABELS, SimulatedNao, Truth
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
@@ -37,6 +36,8 @@ def _label_pixels(student: StudentCode, nao: SimulatedNao) -> StageFunction:
 
 def _calibrate(student: StudentCode, nao: SimulatedNao) -> tuple[Any, Any]:
     """Return limits of green and yellow from the student's `calibrate_hue` and examples of carpet and goal."""
+    from nao_course.lessons.hsl_filtering.payoff import without_edges  # matplotlib comes with it
+
     there = SimulatedNao(nao.field, _PLACE, rng=_SEED, reality=nao.reality)
     hue, saturation, _ = student.rgb_to_hsl(there.take_picture("bottom").pixels)
     truth = Truth(there).picture
