@@ -6,6 +6,7 @@ import os
 import re
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -75,9 +76,16 @@ def lesson_to_open(folder: Path) -> Path | None:
     """Return the lesson of a folder that was saved last after a cell had run, else the first lesson, or None."""
     from nao_course.exercises.lesson_names import PATTERN  # NumPy comes with it
 
-    lessons = sorted(folder.glob(f"{PATTERN}.ipynb"))
-    begun = [path for path in lessons if _HAS_RUN.search(path.read_bytes())]
+    lessons = sorted(path for path in folder.glob(f"{PATTERN}.ipynb") if path.is_file())
+    begun = [path for path in lessons if _has_run(path)]
     return max(begun, key=lambda path: path.stat().st_mtime_ns, default=next(iter(lessons), None))
+
+
+def _has_run(path: Path) -> bool:
+    """Return whether a notebook was saved after a cell had run; one that cannot be read was not."""
+    with suppress(OSError):
+        return _HAS_RUN.search(path.read_bytes()) is not None
+    return False
 
 
 def _jupyter_server_extension_points() -> list[dict[str, str]]:

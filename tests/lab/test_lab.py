@@ -47,6 +47,9 @@ def test_the_lesson_that_was_run_and_saved_last_is_opened_and_at_first_the_first
         nbformat.write(nbformat.v4.new_notebook(cells=[cell]), tmp_path / f"{name}.ipynb")
     os.utime(tmp_path / "01_filter.ipynb", (5, 5))
     assert lab.lesson_to_open(tmp_path) == tmp_path / "02_posts.ipynb"
+    (tmp_path / "03_lost.ipynb").symlink_to(tmp_path / "nowhere")
+    (tmp_path / "00_a_folder.ipynb").mkdir()
+    assert lab.lesson_to_open(tmp_path) == tmp_path / "02_posts.ipynb"
     assert "default_url" not in str(lab.command(tmp_path, hub=True))
 
 
