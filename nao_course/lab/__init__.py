@@ -82,7 +82,7 @@ def lesson_to_open(folder: Path) -> Path | None:
 
 
 def _has_run(path: Path) -> bool:
-    """Return whether a notebook was saved after a cell had run; one that cannot be read was not."""
+    """Return whether a notebook was saved after a cell had run, as far as it can be read."""
     with suppress(OSError):
         return _HAS_RUN.search(path.read_bytes()) is not None
     return False
