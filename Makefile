@@ -66,7 +66,7 @@ bundles: web/node_modules/made.stamp  ## bundle the widgets' scripts again after
 
 lock: .venv/dev.stamp  ## renew the lock files
 	$(LOCK) --upgrade --extra lab --group build --output-file requirements.lock
-	$(LOCK) --upgrade nao_course/instructor/pyproject.toml --no-emit-package nao-course --no-emit-package nao-course-instructor --extra lab --extra scale --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
+	$(LOCK) --upgrade nao_course/instructor/pyproject.toml --no-emit-package nao-course --no-emit-package nao-course-instructor --extra lab --extra robot --extra scale --group build --group test --group dev --constraint requirements.lock --output-file requirements-dev.lock
 	$(LOCK) --upgrade --extra bench --constraint requirements-dev.lock --output-file requirements-bench.lock
 	$(LOCK) --upgrade --extra lab --extra hub --group build --constraint requirements-dev.lock --output-file deploy/hub/requirements.lock
 	$(LOCK) --upgrade --extra site --constraint requirements-dev.lock --output-file requirements-site.lock

@@ -6,9 +6,10 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import typer
@@ -40,6 +41,8 @@ DEFAULT_JOBS = (os.cpu_count() or 2) + 2
 # A student's copy lacks the instructor's package, so its help omits the instructor's commands.
 _STUDENTS = find_spec("nao_course.instructor") is None
 app.add_typer(new, name="new", hidden=_STUDENTS)
+robot = typer.Typer(no_args_is_help=True, help="Practise with an emulated NAO before you drive a real one.")
+app.add_typer(robot, name="robot")
 console = Console()
 _SIGNS = {"right": "[green]✔ passes[/]", "not attempted": "○ not attempted", "not checked": "○ not checked"}
 
@@ -261,6 +264,30 @@ def demo(
             _say(line)
         for path in film.write_all(story, ground, out):
             _say(f"wrote {os.path.relpath(path)}")
+
+
+@robot.command()
+def serve(
+    field: Path | None = typer.Option(
+        None,
+        metavar="FILE",
+        help="TOML file of the field; or 2013, 2025 or lab. By default half the field of 2012.",
+    ),
+    port: int = typer.Option(9559, min=1, max=65535, help="Port of this computer."),
+    host: str = typer.Option("127.0.0.1", help="Address to listen at; 0.0.0.0 for the whole network."),
+    seed: int = typer.Option(1, min=0, help="Seed of the robot's errors."),
+) -> None:
+    """Make this computer a NAO for your notebooks: a simulated robot answers behind the real protocol."""
+    with _errors_in_words():
+        from nao_course.robot.emulated import EmulatedNao, served
+        from nao_course.sim import Field, SimulatedNao
+
+        nao = SimulatedNao(Field() if field is None else Field.from_toml(field), rng=seed)
+        with served(EmulatedNao(nao), port, host) as address:
+            _say(f'a NAO V4 listens at {address}: RealNao("{address}", model="V4")')
+            _say("Press Ctrl-C to end it.")
+            with suppress(KeyboardInterrupt):
+                Event().wait()
 
 
 def _notebooks() -> Path:

@@ -22,7 +22,7 @@ from tests.paths import PROJECT
 
 PACKAGE = "nao_course"
 
-ORDER = "_internal codec, geometry, slam graphs, sim, datasets metrics, plotting, films, field_slam, widgets"
+ORDER = "_internal codec, geometry, slam graphs, sim, datasets metrics robot, plotting, films, field_slam, widgets"
 LAYERS = [set(each.split()) for each in f"{ORDER}, challenges, lessons".split(",")]
 LAYER = {part: number for number, parts in enumerate(LAYERS) for part in parts}
 WORLD = set().union(*LAYERS[LAYER["sim"] :])

@@ -363,6 +363,9 @@ class SimulatedNao:
         pixels, world.last = render(self.field, world.pose, view, self.reality, world.rng, sway)
         return Picture(pixels, assumed, camera)
 
+    def stop(self) -> None:
+        """Do nothing: a simulated motion is complete when its command returns."""
+
     def sense(self, camera: str = "bottom", max_range: float = 4.0) -> tuple[Measurement, ...]:
         """Measure the visible corners and posts with noise; this ideal detector replaces the student's detectors.
 

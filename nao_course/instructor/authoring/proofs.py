@@ -68,6 +68,7 @@ APART = (
     "instructor/reports/",
     "instructor/similarity/",
     "lab/",
+    "robot/",
 )
 
 
