@@ -42,6 +42,7 @@ OUTLINES = Path("nao_course", "exercises", FOLDER)  # the cells of each released
 PAIR_SECONDS = 1.0  # of a call with two mistakes at once: together they may never end
 PATIENCE = 3  # times an exercise's seconds, after which a call of the author's own functions is stopped
 SEEDS = (1, 2, 3)  # of the hidden cases that a plan is checked with; the grader draws others
+SAME = Close(rtol=1e-9, atol=1e-12)  # numbers that differ by as little as rounding errors do
 
 
 class PlanError(ValueError):
@@ -378,10 +379,10 @@ def _answers(
 def _right_or_same(exercise: Exercise, case: Case, answer: Any, outcome: Outcome) -> bool:
     """Return whether a mistake's answer to a perturbed case is the same wrong answer, or right.
 
-    A comparison that allows no difference at all would count the perturbation itself: Close() does not.
+    A comparison that allows no difference at all would count the perturbation itself, which `SAME` does not.
     """
     return (
         bool(judging.judge(exercise.comparison, case, outcome))
         or judging.same_answer(exercise, answer, outcome)
-        or (outcome.status == "value" and Close().alike(answer, outcome.value))
+        or (outcome.status == "value" and SAME.alike(answer, outcome.value))
     )

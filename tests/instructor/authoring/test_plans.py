@@ -118,6 +118,11 @@ def test_a_mistakes_answer_that_is_a_rounding_error_is_marked_and_no_other():
         exercise = exercise_of("whole", [Case((whole,))], mistake, comparison=comparison)
         (answer,) = publish_exercise("1.1", exercise, right).mistakes[0].answers.values()
         assert answer.tolist() == mistake(whole).tolist()
+    late = np.array([1.0, 2.0, 3.0])  # digits that the comparison sees and a coarser one does not
+    exercise = exercise_of(
+        "late", [Case((late,))], lambda x: x + 1 + 1e-5 * np.sin(1e14 * x), comparison=Close(rtol=1e-7)
+    )
+    assert all(map(is_unstable, publish_exercise("1.1", exercise, np.copy).mistakes[0].answers.values()))
 
 
 @pytest.mark.parametrize("mistake", [unguarded, raises_or_not, shortest, transposed])
