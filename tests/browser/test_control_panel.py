@@ -70,7 +70,7 @@ def test_nothing_moves_when_the_robot_does_or_a_view_changes(page, panel):
     assert panel.evaluate(_BOXES) == before
 
 
-def test_a_key_right_after_a_click_is_the_panels_and_a_frame_says_so(page, panel):
+def test_a_key_right_after_a_click_is_the_panels_and_a_frame_says_so(lab, page, panel):
     cells = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
     page.evaluate(
         """() => { window.naoKeys = [];
@@ -85,6 +85,11 @@ def test_a_key_right_after_a_click_is_the_panels_and_a_frame_says_so(page, panel
         page.mouse.up()
         page.keyboard.press("x")
         assert page.evaluate("window.naoKeys.length") == number, selector
+    numbers = lab.counts(page)
+    for key in ("Shift+Enter", "Control+Enter", "Alt+Enter"):
+        page.keyboard.press(key)
+        page.wait_for_timeout(300)
+        assert lab.counts(page) == numbers, f"{key} would run the cell again, and its drive would be lost"
     assert page.evaluate(cells) == 2
     assert panel.evaluate("each => getComputedStyle(each).outlineStyle") == "solid"
 
@@ -127,7 +132,9 @@ def test_after_a_restart_a_sentence_says_what_to_do_instead_of_broken_icons(lab,
         """() => { window.jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart(); }"""
     )
     sentence = "each => getComputedStyle(each, '::after').content"
-    wait_for(lambda: "Run its cell again" in panel.evaluate(sentence), "the sentence", 300)
+    wait_for(lambda: "Run All Above Selected Cell; then" in panel.evaluate(sentence), "the sentence", 300)
+    middle = "each => parseFloat(getComputedStyle(each, '::after').top) / each.clientHeight"
+    assert panel.evaluate(middle) == pytest.approx(0.5, abs=0.01), "below the toolbar where half of it is seen"
     icons = """root => [root, ...root.querySelectorAll('*')]
     .filter(each => getComputedStyle(each, '::before').fontFamily.includes('Awesome')
       && getComputedStyle(each, '::before').content !== 'none').length"""

@@ -149,9 +149,9 @@ class Cockpit:
         if seen is None:
             return ()
         self.seen = seen
-        found = f"Measured {say_count(len(self.seen), 'landmark')}"
+        found = f"Measured {say_count(len(self.seen), 'landmark')} with the {camera} camera"
         if self.slam is None:
-            self.say(f"{found} with the {camera} camera.")
+            self.say(f"{found}.")
         elif self._try("observe", lambda: self._slam.observe(seen)).done and self._update_estimate():
             mapped = 0 if self.estimate is None else len(self.estimate.landmarks)
             self.say(f"{found}; the map of {type(self.slam).__name__} contains {mapped}.")
@@ -210,7 +210,11 @@ class Cockpit:
         """Return a camera's measurements from the present pose; None if the student's code failed."""
         measure = self.measure
         if measure is None:
-            return self.nao.sense(camera)
+            seed = self.frames  # equal random numbers: the body tilts as in the picture, which the page then shows
+            with self.nao.aside(np.random.default_rng(seed)):
+                self.photograph(camera, size)
+            with self.nao.aside(np.random.default_rng(seed)):
+                return self.nao.sense(camera)
         picture = self.photograph(camera, size)
         return self._try("measure", lambda: _checked(measure(picture.pixels.copy(), picture.view))).value
 
