@@ -43,9 +43,10 @@ COMMON_CSS = """
 .nao-panel.jupyter-widgets-disconnected::before,
 .nao-panel .jupyter-widgets-disconnected.jupyter-widgets-disconnected::before { content: none !important; }
 .nao-panel.jupyter-widgets-disconnected > * { opacity: 0.3; filter: grayscale(1); pointer-events: none; }
-.nao-panel::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 50%; translate: 0 -50%; padding: 10px 14px;
-  border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px; white-space: normal;
-  color: var(--jp-ui-font-color1, black); background: var(--jp-layout-color1, white); box-shadow: 0 1px 8px #0006; }
+.nao-panel::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 50%; translate: 0 -50%;
+  padding: 10px 14px; border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px;
+  white-space: normal; color: var(--jp-ui-font-color1, black); background: var(--jp-layout-color1, white);
+  box-shadow: 0 1px 8px #0006; }
 .nao-panel.jupyter-widgets-disconnected::after { content: "The kernel was restarted, so this panel no longer works. \
 In the menu Run, choose Run All Above Selected Cell; then run this panel's cell again."; }
 .jp-NotebookPanel:has(.jp-Notebook-ExecutionIndicator:is([data-status=connecting], [data-status=disconnected]))

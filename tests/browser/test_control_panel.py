@@ -134,7 +134,9 @@ def test_after_a_restart_a_sentence_says_what_to_do_instead_of_broken_icons(lab,
     sentence = "each => getComputedStyle(each, '::after').content"
     wait_for(lambda: "Run All Above Selected Cell; then" in panel.evaluate(sentence), "the sentence", 300)
     middle = "each => parseFloat(getComputedStyle(each, '::after').top) / each.clientHeight"
-    assert panel.evaluate(middle) == pytest.approx(0.5, abs=0.01), "below the toolbar where half of it is seen"
+    assert panel.evaluate(middle) == pytest.approx(0.5, abs=0.01), (
+        "below the toolbar where half of it is seen"
+    )
     icons = """root => [root, ...root.querySelectorAll('*')]
     .filter(each => getComputedStyle(each, '::before').fontFamily.includes('Awesome')
       && getComputedStyle(each, '::before').content !== 'none').length"""

@@ -36,6 +36,8 @@ def test_the_ideal_detector_measures_what_the_picture_on_the_screen_shows():
     for _ in range(10):
         seen = cockpit.observe("bottom")
         shown = [each for each in cockpit.picture_truth("bottom").landmarks if not each.occluded]
-        assert [each.bearing for each in seen] == sorted(each.bearing for each in shown if each.landmark.detected_as)
+        assert [each.bearing for each in seen] == sorted(
+            each.bearing for each in shown if each.landmark.detected_as
+        )
         counts.add(len(seen))
     assert len(counts) > 1  # the body tilts differently each time
