@@ -113,6 +113,9 @@ def test_in_three_dimensions_the_caption_is_true(page, panel):
 
     assert after(lambda: page.mouse.wheel(0, -150)) == seen[0], "without a click the wheel scrolls the page"
     page.mouse.wheel(0, 150)
+    page.locator(".nao-keys").focus()
+    assert after(lambda: page.mouse.wheel(0, -150)) == seen[0], "also while the robot has the keys"
+    page.mouse.wheel(0, 150)
     panel.evaluate("each => each.scrollIntoView({block: 'start'})")
     page.keyboard.down("Shift")
     assert after(lambda: page.mouse.wheel(0, -150))["distance"] < seen[0]["distance"]
@@ -121,6 +124,8 @@ def test_in_three_dimensions_the_caption_is_true(page, panel):
     page.mouse.move(box["x"] + box["width"] / 2 + 40, box["y"] + box["height"] / 2, steps=4)
     assert after(page.mouse.up)["azimuth"] < seen[0]["azimuth"]
     assert after(lambda: page.mouse.wheel(0, -150))["distance"] < seen[-2]["distance"]
+    page.keyboard.press("Escape")
+    assert after(lambda: page.mouse.wheel(0, -30)) == seen[-2], "after Escape the wheel scrolls the page"
     screenshot(page, "control_panel_3d")
     page.keyboard.press("ArrowUp")
     wait_for(lambda: "ahead: done" in page.locator(".nao-over").inner_text(), "a walk")

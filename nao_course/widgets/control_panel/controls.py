@@ -113,7 +113,7 @@ _CSS = """
   white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
 .nao-cockpit .nao-caps { display: flex; flex-wrap: wrap; gap: 6px 18px; }
 .nao-cockpit .nao-caps > * { margin: 0; overflow: visible; display: grid; gap: 4px; }
-.nao-cockpit .nao-pad { grid-template-columns: repeat(3, 60px); flex: none; }
+.nao-cockpit .nao-pad { grid-template-columns: repeat(3, 66px); flex: none; }
 .nao-cockpit .nao-actions { grid-template-columns: repeat(4, minmax(0, 1fr)); flex: 1 1 300px; }
 .nao-cockpit .nao-actions:not(:has(.nao-do-view)) { grid-template-columns: repeat(3, minmax(0, 1fr)); }
 .nao-cockpit .nao-caps button { display: flex; flex-direction: column; justify-content: center; align-items: center;

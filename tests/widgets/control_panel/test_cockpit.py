@@ -5,7 +5,7 @@ import pytest
 
 from nao_course.geometry import Pose
 from nao_course.sim import SensorNoise, TorsoTilt, Truth
-from nao_course.slam import Motion
+from nao_course.slam import DeadReckoning, Motion
 from nao_course.widgets.control_panel.cockpit import STEP, TURN_STEP, Cockpit, small_steps
 from tests.widgets.robots import Recorder, clean_nao
 
@@ -41,3 +41,14 @@ def test_the_ideal_detector_measures_what_the_picture_on_the_screen_shows():
         )
         counts.add(len(seen))
     assert len(counts) > 1  # the body tilts differently each time
+
+
+def test_an_algorithm_is_named_after_its_class_and_dead_reckoning_in_words():
+    said = {type(slam): Cockpit(clean_nao(), slam=slam) for slam in (DeadReckoning(), Recorder())}
+    assert said[DeadReckoning].names("ekf", False)["ekf"] == "odometry alone"
+    assert said[Recorder].names("ekf", False)["ekf"] == "Recorder"
+    said[DeadReckoning].observe()
+    assert (
+        "DeadReckoning" not in said[DeadReckoning].summary()
+        and "of odometry alone" in said[DeadReckoning].message
+    )

@@ -236,7 +236,9 @@ def test_code_that_never_ends_is_stopped_and_the_panel_lives():
     assert panel.cockpit.nao.odometry.x == pytest.approx(before + 0.2)
     assert panel.cockpit.message == "Walk 0.20 m ahead: done."
     press(panel, "slam")
-    assert "Measured 1 landmark with the bottom camera; the map of Endless contains 0" in panel.cockpit.message
+    assert (
+        "Measured 1 landmark with the bottom camera; the map of Endless contains 0" in panel.cockpit.message
+    )
     assert "nao-alarm" not in panel._controls.status.value
 
 
