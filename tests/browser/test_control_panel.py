@@ -20,6 +20,10 @@ _BOXES = """root => [...root.querySelectorAll('button, .nao-stage > *, .nao-map-
   const box = each.getBoundingClientRect(), own = root.getBoundingClientRect();
   return [box.left - own.left, box.top - own.top, box.width, box.height].map(Math.round).join(' '); })"""
 
+# Words in a line that is hidden, or too long for theirs
+_CUT = """all => all.filter(each => each.offsetTop + each.offsetHeight > each.parentElement.clientHeight + 2
+|| each.scrollWidth > each.clientWidth).map(each => each.innerText)"""
+
 
 def place(page, selector):
     return page.locator(selector).first.bounding_box()
@@ -45,6 +49,8 @@ def test_picture_and_map_are_beside_each_other_and_the_panel_fits_at_every_width
         )
         assert picture["x"] + picture["width"] < field_map["x"]
         assert place(page, ".nao-map-canvas")["height"] > 0.8 * picture["height"]
+        words = page.locator(".nao-map-legend .path, .nao-caption .widget-html-content").evaluate_all(_CUT)
+        assert words == [] or width == 900, width
         screenshot(page, f"control_panel_{width}")
     page.evaluate("window.jupyterapp.commands.execute('application:toggle-left-area').then(() => null)")
     page.set_viewport_size({"width": 540, "height": 800})

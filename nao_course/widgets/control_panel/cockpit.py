@@ -215,9 +215,8 @@ class Cockpit:
         """Return a camera's measurements from the present pose; None if the student's code failed."""
         measure = self.measure
         if measure is None:
-            seed = (
-                self.frames
-            )  # equal random numbers: the body tilts as in the picture, which the page then shows
+            # Equal random numbers: the body tilts as in the picture, which the page then shows.
+            seed = self.frames
             with self.nao.aside(np.random.default_rng(seed)):
                 self.photograph(camera, size)
             with self.nao.aside(np.random.default_rng(seed)):

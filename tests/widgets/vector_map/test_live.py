@@ -78,9 +78,8 @@ def test_measurements_points_and_view_are_placed_from_the_robot_that_measured(li
     assert layers["view"] == [1000, 500, 1671, 500, 2000]
     live.update(MapContents({"truth": [robot]}, view=(0.1, 0.5, np.inf)))
     x0, y0, x1, y1 = live.widget.scene["bounds"]
-    assert live.sent[-1]["layers"]["view"][4] == pytest.approx(
-        np.hypot(x1 - x0, y1 - y0), abs=1
-    )  # not infinite
+    diagonal = np.hypot(x1 - x0, y1 - y0)
+    assert live.sent[-1]["layers"]["view"][4] == pytest.approx(diagonal, abs=1), "not infinite"
 
 
 def test_cells_are_under_everything_and_words_say_where_each_robot_is_and_invalid_ellipses_are_left_out(live):
