@@ -25,7 +25,7 @@ def contents(count: int) -> MapContents:
     spread = np.tile(np.diag([0.01, 0.02]) / count, (LANDMARKS, 1, 1))
     estimate = Estimate(path[-1], np.diag([0.01, 0.01, 0.01]), landmarks, spread, ("corner",) * LANDMARKS)
     seen = [Measurement(0.2 * number, 1.0 + 0.01 * count) for number in range(4)]
-    return MapContents(dict.fromkeys(SOURCES, path), estimate, seen, "ekf", view=(0.0, 0.5))
+    return MapContents(dict.fromkeys(SOURCES, path), estimate, seen, "ekf", view=(0.0, 0.5, 2.0))
 
 
 def main() -> Result:

@@ -200,6 +200,18 @@ class CameraView:
         uv = as_points(pixels, name="pixels")
         return np.asarray(((uv >= -0.5) & (uv <= np.array(self.size) - 0.5)).all(axis=1))
 
+    def visible_ground(self) -> tuple[float, float] | None:
+        """Return the distances at which the visible ground begins and ends along the direction of the camera, m.
+
+        Distances up to 20 m are examined: the end is infinite if the ground is visible there. None if no ground is.
+        """
+        ahead = np.linspace(0.0, 20.0, 2001)
+        along = ahead[:, None] * [np.cos(self.yaw), np.sin(self.yaw)] + self.offset
+        seen = ahead[self.contains(self.project(along))]
+        if not len(seen):
+            return None
+        return float(seen[0]), float(seen[-1]) if seen[-1] < ahead[-1] else np.inf
+
     @property
     def lens_limit(self) -> float:
         """Radius, in focal lengths, beyond which the model of a barrel lens would fold the picture back onto itself."""

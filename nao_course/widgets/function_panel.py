@@ -39,7 +39,7 @@ _CSS = """
 .nao-function .nao-cursor { position: absolute; width: 15px; height: 15px; transform: translate(-50%, -50%);
   box-sizing: border-box; border: 2px solid #c84b00; border-radius: 50%;
   box-shadow: 0 0 0 1.5px white, inset 0 0 0 1.5px white; }
-.nao-function .nao-choices { gap: 10px; align-items: center; flex-wrap: wrap; overflow: visible; }
+.nao-function .nao-choices { gap: 4px 10px; align-items: center; flex-wrap: wrap; overflow: visible; }
 .nao-function .nao-choices > * { margin: 0; }
 .nao-function .nao-choices .widget-dropdown { width: auto; min-width: 120px; }
 .nao-function .nao-choices .widget-text { width: auto; }
@@ -62,7 +62,7 @@ _CSS = """
 @container (max-width: 600px) { .nao-function .nao-scores :is(th, td) { padding: 1px 3px; min-width: 0; } }
 .nao-function .nao-key { display: inline-block; width: 11px; height: 11px; border: 1px solid #555; margin-right: 5px;
   vertical-align: -1px; }
-.nao-function .nao-legend { font-size: 12px; line-height: 18px; }
+.nao-function .nao-legend .widget-html-content { font-size: 12px; line-height: 20px; }
 .nao-function .nao-legend span { white-space: nowrap; margin-right: 12px; }
 """
 

@@ -8,8 +8,9 @@ from collections.abc import Collection, Mapping
 
 Keys = Mapping[str, tuple[str, ...]]  # a button's name: its keys, as a browser names them, in small letters
 
-_HANDLER = """const name = %s[event.key.toLowerCase()];
-if (!name || event.ctrlKey || event.metaKey || event.altKey) return;
+# Enter, with Shift, Ctrl or Alt as well, does nothing: JupyterLab would run the panel's cell again, without its drive.
+_HANDLER = """const key = event.key.toLowerCase(), name = %s[key];
+if (key !== 'enter' && (!name || event.ctrlKey || event.metaKey || event.altKey)) return;
 event.preventDefault(); event.stopPropagation();
 const panel = this.closest('.nao-panel'), button = panel.querySelector('.nao-do-' + name);
 if (panel.matches('.jupyter-widgets-disconnected')) return;

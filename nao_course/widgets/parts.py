@@ -25,7 +25,7 @@ BREATH = 0.01  # s that every frame leaves for buttons and sliders
 JPEG_QUALITY = 90
 SHOWN_WIDTH = 640  # px; larger pictures are reduced before they are sent to the browser
 COMMON_CSS = """
-.nao-panel { font-size: 13px; overflow: visible; }
+.nao-panel { position: relative; font-size: 13px; overflow: visible; }
 .nao-panel .nao-caption { line-height: 18px; height: 20px; margin: 0; }
 .nao-panel .nao-caption .widget-html-content { line-height: 18px; }
 .nao-panel .nao-heading { font-weight: 600; margin: 0; line-height: 18px; height: 18px; }
@@ -40,15 +40,15 @@ COMMON_CSS = """
   background: var(--jp-layout-color1, white); color: var(--jp-ui-font-color1, black); caret-color: transparent; }
 .nao-panel .nao-keys:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
 .nao-panel :focus-visible { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
-.nao-panel { position: relative; }
 .nao-panel.jupyter-widgets-disconnected::before,
 .nao-panel .jupyter-widgets-disconnected.jupyter-widgets-disconnected::before { content: none !important; }
 .nao-panel.jupyter-widgets-disconnected > * { opacity: 0.3; filter: grayscale(1); pointer-events: none; }
-.nao-panel::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 12px; padding: 10px 14px;
-  border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px; white-space: normal;
-  color: var(--jp-ui-font-color1, black); background: var(--jp-layout-color1, white); box-shadow: 0 1px 8px #0006; }
+.nao-panel::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 50%; translate: 0 -50%;
+  padding: 10px 14px; border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px;
+  white-space: normal; color: var(--jp-ui-font-color1, black); background: var(--jp-layout-color1, white);
+  box-shadow: 0 1px 8px #0006; }
 .nao-panel.jupyter-widgets-disconnected::after { content: "The kernel was restarted, so this panel no longer works. \
-Run its cell again; if a name is missing then, choose Run All Above Selected Cell in the menu Run."; }
+In the menu Run, choose Run All Above Selected Cell; then run this panel's cell again."; }
 .jp-NotebookPanel:has(.jp-Notebook-ExecutionIndicator:is([data-status=connecting], [data-status=disconnected]))
   .nao-panel:not(.jupyter-widgets-disconnected)::after { animation: nao-later 3s; content: "The connection to the \
 kernel is lost. Wait a moment: the panel goes on by itself. If it does not, reload this page and run its cell again."; }

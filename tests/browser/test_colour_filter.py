@@ -12,7 +12,8 @@ pytestmark = pytest.mark.browser
 
 
 SLOW = "import time\ntaken = []\n" + LABEL.replace(
-    "    mean", "    taken.append(beta); time.sleep(0.4); print(len(taken), 'pictures')\n    mean"
+    "    mean",
+    "    taken.append(beta); time.sleep(0.4); print(len(taken), f'pictures, beta {beta:.0f}')\n    mean",
 )
 
 

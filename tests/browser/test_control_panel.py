@@ -20,6 +20,10 @@ _BOXES = """root => [...root.querySelectorAll('button, .nao-stage > *, .nao-map-
   const box = each.getBoundingClientRect(), own = root.getBoundingClientRect();
   return [box.left - own.left, box.top - own.top, box.width, box.height].map(Math.round).join(' '); })"""
 
+# Words in a line that is hidden, or too long for theirs
+_CUT = """all => all.filter(each => each.offsetTop + each.offsetHeight > each.parentElement.clientHeight + 2
+|| each.scrollWidth > each.clientWidth).map(each => each.innerText)"""
+
 
 def place(page, selector):
     return page.locator(selector).first.bounding_box()
@@ -45,6 +49,8 @@ def test_picture_and_map_are_beside_each_other_and_the_panel_fits_at_every_width
         )
         assert picture["x"] + picture["width"] < field_map["x"]
         assert place(page, ".nao-map-canvas")["height"] > 0.8 * picture["height"]
+        words = page.locator(".nao-map-legend .path, .nao-caption .widget-html-content").evaluate_all(_CUT)
+        assert words == [] or width == 900, width
         screenshot(page, f"control_panel_{width}")
     page.evaluate("window.jupyterapp.commands.execute('application:toggle-left-area').then(() => null)")
     page.set_viewport_size({"width": 540, "height": 800})
@@ -70,7 +76,7 @@ def test_nothing_moves_when_the_robot_does_or_a_view_changes(page, panel):
     assert panel.evaluate(_BOXES) == before
 
 
-def test_a_key_right_after_a_click_is_the_panels_and_a_frame_says_so(page, panel):
+def test_a_key_right_after_a_click_is_the_panels_and_a_frame_says_so(lab, page, panel):
     cells = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
     page.evaluate(
         """() => { window.naoKeys = [];
@@ -85,6 +91,11 @@ def test_a_key_right_after_a_click_is_the_panels_and_a_frame_says_so(page, panel
         page.mouse.up()
         page.keyboard.press("x")
         assert page.evaluate("window.naoKeys.length") == number, selector
+    numbers = lab.counts(page)
+    for key in ("Shift+Enter", "Control+Enter", "Alt+Enter"):
+        page.keyboard.press(key)
+        page.wait_for_timeout(300)
+        assert lab.counts(page) == numbers, f"{key} would run the cell again, and its drive would be lost"
     assert page.evaluate(cells) == 2
     assert panel.evaluate("each => getComputedStyle(each).outlineStyle") == "solid"
 
@@ -108,6 +119,9 @@ def test_in_three_dimensions_the_caption_is_true(page, panel):
 
     assert after(lambda: page.mouse.wheel(0, -150)) == seen[0], "without a click the wheel scrolls the page"
     page.mouse.wheel(0, 150)
+    page.locator(".nao-keys").focus()
+    assert after(lambda: page.mouse.wheel(0, -150)) == seen[0], "also while the robot has the keys"
+    page.mouse.wheel(0, 150)
     panel.evaluate("each => each.scrollIntoView({block: 'start'})")
     page.keyboard.down("Shift")
     assert after(lambda: page.mouse.wheel(0, -150))["distance"] < seen[0]["distance"]
@@ -116,6 +130,8 @@ def test_in_three_dimensions_the_caption_is_true(page, panel):
     page.mouse.move(box["x"] + box["width"] / 2 + 40, box["y"] + box["height"] / 2, steps=4)
     assert after(page.mouse.up)["azimuth"] < seen[0]["azimuth"]
     assert after(lambda: page.mouse.wheel(0, -150))["distance"] < seen[-2]["distance"]
+    page.keyboard.press("Escape")
+    assert after(lambda: page.mouse.wheel(0, -30)) == seen[-2], "after Escape the wheel scrolls the page"
     screenshot(page, "control_panel_3d")
     page.keyboard.press("ArrowUp")
     wait_for(lambda: "ahead: done" in page.locator(".nao-over").inner_text(), "a walk")
@@ -127,7 +143,11 @@ def test_after_a_restart_a_sentence_says_what_to_do_instead_of_broken_icons(lab,
         """() => { window.jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart(); }"""
     )
     sentence = "each => getComputedStyle(each, '::after').content"
-    wait_for(lambda: "Run its cell again" in panel.evaluate(sentence), "the sentence", 300)
+    wait_for(lambda: "Run All Above Selected Cell; then" in panel.evaluate(sentence), "the sentence", 300)
+    middle = "each => parseFloat(getComputedStyle(each, '::after').top) / each.clientHeight"
+    assert panel.evaluate(middle) == pytest.approx(0.5, abs=0.01), (
+        "below the toolbar where half of it is seen"
+    )
     icons = """root => [root, ...root.querySelectorAll('*')]
     .filter(each => getComputedStyle(each, '::before').fontFamily.includes('Awesome')
       && getComputedStyle(each, '::before').content !== 'none').length"""

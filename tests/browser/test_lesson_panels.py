@@ -10,10 +10,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PANELS = panel_cells()
 LARGE = 380  # px: sqrt(width * height) of a picture, on a page of 1280 px without the list of files
 TALLEST = {1280: 679, 900: 680}  # px of a panel by the width of the page; a laptop of 1280 x 800 shows 679
-LIMITS = {
-    **{(lesson, 1280): 640 for lesson in ("09_pose_graphs", "11_slam_on_the_field", "12_beyond")},
-    ("01_hsl_filtering", 900): 700,  # seven sliders, two small pictures and a table have no room for less
-}
+LIMITS = {(lesson, 1280): 640 for lesson in ("09_pose_graphs", "11_slam_on_the_field", "12_beyond")}
 # What a panel shows: its cell's width, its pictures, and everything that sticks out or would have to be scrolled.
 _MEASURE = """root => {
   const cell = root.getBoundingClientRect();

@@ -22,7 +22,7 @@ DRIVE = """path = [Pose(0.5 + 0.05 * step, 0.0, 0.1 * step) for step in range(20
 estimate = Estimate(path[-1], np.eye(3) / 50, [(3.0, 0.7)], [np.eye(2) / 50], ("post",))
 for step in range(1, 20):
     live.update(MapContents({"truth": path[:step]}, observer="truth", cells=np.array([(1.0, 1.0)])))
-live.update(MapContents({"truth": path, "ekf": path}, estimate, [Measurement(0.1, 1.0)], "ekf", view=(0.0, 0.5),
+live.update(MapContents({"truth": path, "ekf": path}, estimate, [Measurement(0.1, 1.0)], "ekf", view=(0.0, 0.5, 2.0),
                         cells=np.array([(1.0, 1.0)])))"""
 SURE = """estimate = Estimate(path[-1], np.eye(3) / 2000, [], [])
 live.update(MapContents({"truth": path, "ekf": path}, estimate, (), "ekf"))"""

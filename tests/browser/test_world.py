@@ -111,6 +111,10 @@ def test_mouse_and_keys_turn_it_and_the_head_moves(lab, page):
     page.mouse.wheel(0, -300)
     nearer = settled(page)
     assert nearer["viewpoint"]["distance"] < 0.8 * dragged["viewpoint"]["distance"]
+    page.keyboard.press("Escape")
+    page.mouse.wheel(0, -30)
+    assert settled(page)["viewpoint"] == nearer["viewpoint"], "after Escape the wheel scrolls the page"
+    canvas.focus()
     page.keyboard.press("ArrowLeft")
     page.keyboard.press("-")
     keyed = settled(page)

@@ -39,6 +39,13 @@ def test_the_optical_axis_meets_the_middle_and_the_field_of_view_spans_the_pictu
     left, right, far = v.project([[2, 0.5], [2, -0.5], [4, 0]])
     assert left[0] < v.centre[0] < right[0]
     assert far[1] < left[1]
+    v = view(pitch=0.7)
+    near, end = v.visible_ground()
+    assert v.contains(v.project([[end, 0.0]])) and not v.contains(v.project([[end + 0.01, 0.0]]))
+    assert not v.contains(v.project([[near - 0.01, 0.0]]))
+    assert (
+        view(pitch=0.0, yaw=2.0).visible_ground()[1] == np.inf and view(pitch=-1.0).visible_ground() is None
+    )
     leaning = view(roll=0.1)
     horizon = leaning.project([[1e6, 4e5], [1e6, -4e5]])
     assert horizon[0, 1] > horizon[1, 1]

@@ -17,12 +17,19 @@ export class Controls {
     on("pointermove", (event) => this.drag(event));
     for (const name of ["pointerup", "pointercancel"]) on(name, (event) => this.pointers.delete(event.pointerId));
     on("contextmenu", (event) => event.preventDefault());
-    // Without Shift or a click first, the wheel scrolls the page. In the control panel a click gives its key field the
-    // keys. With Shift, some browsers turn the wheel sideways.
+    // Without Shift, the wheel scrolls the page unless the view has the focus: until Escape or a click elsewhere. In the
+    // control panel a click gives its key field the keys. With Shift, some browsers turn the wheel sideways.
+    const page = canvas.ownerDocument, inFirstPlace = { capture: true, signal };
+    page.addEventListener("pointerdown", (event) => (this.clicked = event.target === canvas), inFirstPlace);
+    page.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape") return;
+      this.clicked = false;
+      canvas.blur();
+    }, inFirstPlace);
     on("wheel", (event) => {
       const { activeElement } = canvas.getRootNode();
-      const clicked = activeElement === canvas || activeElement?.closest(".nao-panel")?.contains(canvas);
-      if (!clicked && !event.shiftKey) return;
+      const keysAreNear = this.clicked && activeElement?.closest(".nao-panel")?.contains(canvas);
+      if (activeElement !== canvas && !keysAreNear && !event.shiftKey) return;
       event.preventDefault();
       this.zoom(Math.exp(clamp(event.deltaY || event.deltaX, [-200, 200]) * 0.0015));
     }, { passive: false });

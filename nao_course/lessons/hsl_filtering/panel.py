@@ -268,12 +268,12 @@ class FilterPanel(FunctionPanel):
         return Drawing(figure, f"Filter panel: {'; '.join(self.summary().splitlines())}", photo=True)
 
     def say_pace(self, seconds: float) -> str:
-        """Return the settings and the time for the latest picture in words, with a hint if it is slow."""
+        """Return the settings and the time for the latest picture in words, or a hint if it is slow."""
         self._seconds = seconds or self._seconds  # the function is not called if only "Show" has changed
-        facts = f"{self.say_values()}. Your code labels a picture in {1000 * self._seconds:.0f} ms."
+        pace = f"Your code labels a picture in {1000 * self._seconds:.0f} ms."
         if self._seconds > SLOW:
-            facts += " This is slow. Does your code loop over pixels?"
-        return facts
+            return f"{pace} This is slow. Does your code loop over pixels?"
+        return f"{self.say_values()}. {pace}"
 
     def __repr__(self) -> str:
         """Return the summary in one string."""

@@ -110,13 +110,13 @@ def draw_cameras(nao: SimulatedNao, size: tuple[int, int] = (320, 240), title: s
 
 def say_footprint(camera: str, view: CameraView) -> str:
     """Return the part of the ground that a camera sees along its direction, in words."""
-    ahead = np.linspace(0.0, 20.0, 2001)
-    along = np.column_stack([ahead * np.cos(view.yaw), ahead * np.sin(view.yaw)]) + view.offset
-    seen = ahead[view.contains(view.project(along))]
-    if not len(seen):
+    if (ground := view.visible_ground()) is None:
         return f"The {camera} camera sees no ground."
-    far = "the horizon" if seen[-1] > 19.9 else f"{seen[-1]:.1f} m"
-    return f"The {camera} camera sees the ground from {seen[0]:.1f} m to {far} ahead."
+    near, end = ground
+    far = "the horizon" if np.isinf(end) else f"{end:.1f} m"
+    yaw = np.degrees(view.yaw)
+    where = " ahead" if abs(yaw) < 0.5 else f", {abs(yaw):.0f}° to the {'left' if yaw > 0 else 'right'}"
+    return f"The {camera} camera sees the ground from {near:.1f} m to {far}{where}."
 
 
 @course_style()

@@ -38,12 +38,8 @@ class HeadPanel(WorldPanel):
             WorldView(self._nao.field, reality=self._nao.reality),
             self._move_head,
             [
-                Slider(
-                    "yaw", "Head yaw", yaw_low, yaw_high, 0.5, 0.0, unit="°", tooltip="Positive to the left"
-                ),
-                Slider(
-                    "pitch", "Head pitch", pitch_low, pitch_high, 0.5, 0.0, unit="°", tooltip="Positive down"
-                ),
+                Slider("yaw", "Yaw to the left", yaw_low, yaw_high, 0.5, 0.0, unit="°"),
+                Slider("pitch", "Pitch down", pitch_low, pitch_high, 0.5, 0.0, unit="°"),
             ],
         )
 

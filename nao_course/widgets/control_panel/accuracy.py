@@ -175,12 +175,12 @@ def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
     else:
         uncertain = (f"± {say_length(shown.radius)}".replace("± <", "<"), "half axis, 95 % ellipse")
     why = hidden if shown.error is None else "nothing to compare yet"
-    title = ""
+    title = "An estimate is consistent if its error fits its uncertainty."
     if shown.nees is not None:
         low, high = shown.bounds
         why = f"{_why(shown)}; NEES {_digits(shown.nees)}"
-        title = (
-            f"{why[:1].upper()}{why[1:]}. NEES, the normalised estimation error squared, measures the error in units "
+        title += (
+            f" {why[:1].upper()}{why[1:]}. NEES, the normalised estimation error squared, measures the error in units "
             f"of the estimated covariance. Here 95 % of consistent estimates have a NEES from {low:.1f} to {high:.1f}."
         )
     elif shown.verdict:

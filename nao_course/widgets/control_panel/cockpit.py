@@ -11,7 +11,7 @@ import numpy as np
 from nao_course._internal.counts import say_count
 from nao_course.geometry import Pose
 from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
-from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm, place_estimate
+from nao_course.slam import DeadReckoning, Estimate, Measurement, Motion, SlamAlgorithm, place_estimate
 from nao_course.widgets.attempts import KEPT_LETTERS, TIME_LIMIT, Attempt, attempt, complaint
 
 Measure = Callable[[Any, CameraView], Iterable[Measurement]]
@@ -149,12 +149,12 @@ class Cockpit:
         if seen is None:
             return ()
         self.seen = seen
-        found = f"Measured {say_count(len(self.seen), 'landmark')}"
+        found = f"Measured {say_count(len(self.seen), 'landmark')} with the {camera} camera"
         if self.slam is None:
-            self.say(f"{found} with the {camera} camera.")
+            self.say(f"{found}.")
         elif self._try("observe", lambda: self._slam.observe(seen)).done and self._update_estimate():
             mapped = 0 if self.estimate is None else len(self.estimate.landmarks)
-            self.say(f"{found}; the map of {type(self.slam).__name__} contains {mapped}.")
+            self.say(f"{found}; the map of {self._slam_name} contains {mapped}.")
         return self.seen
 
     def picture_truth(self, camera: str) -> PictureTruth | None:
@@ -177,7 +177,7 @@ class Cockpit:
         names = {"truth": "truth"} if self.truth is not None else {}
         names["odometry"] = "odometry"
         if self.slam is not None:
-            name = type(self.slam).__name__
+            name = self._slam_name
             names[source] = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
         elif pipeline_estimates:
             names[source] = "your estimate"
@@ -190,7 +190,7 @@ class Cockpit:
         if show_truth and self.truth is not None:
             facts.append(f"truth {_place(self.truth.pose)}")
         if self.slam is not None:
-            facts.append(f"{type(self.slam).__name__} {_described(self.estimate)}")
+            facts.append(f"{self._slam_name} {_described(self.estimate)}")
         facts.append(f"head yaw {yaw:z.0f}°, pitch {pitch:z.0f}°")
         facts.append(f"{say_count(len(self.album), 'picture') if self.album else 'no picture'} kept")
         return facts
@@ -206,11 +206,21 @@ class Cockpit:
         assert self.slam is not None
         return self.slam
 
+    @property
+    def _slam_name(self) -> str:
+        """Name of the algorithm for the reader of the page."""
+        return "odometry alone" if type(self.slam) is DeadReckoning else type(self.slam).__name__
+
     def _measured(self, camera: str, size: tuple[int, int]) -> tuple[Measurement, ...] | None:
         """Return a camera's measurements from the present pose; None if the student's code failed."""
         measure = self.measure
         if measure is None:
-            return self.nao.sense(camera)
+            # Equal random numbers: the body tilts as in the picture, which the page then shows.
+            seed = self.frames
+            with self.nao.aside(np.random.default_rng(seed)):
+                self.photograph(camera, size)
+            with self.nao.aside(np.random.default_rng(seed)):
+                return self.nao.sense(camera)
         picture = self.photograph(camera, size)
         return self._try("measure", lambda: _checked(measure(picture.pixels.copy(), picture.view))).value
 

@@ -113,7 +113,7 @@ _CSS = """
   white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
 .nao-cockpit .nao-caps { display: flex; flex-wrap: wrap; gap: 6px 18px; }
 .nao-cockpit .nao-caps > * { margin: 0; overflow: visible; display: grid; gap: 4px; }
-.nao-cockpit .nao-pad { grid-template-columns: repeat(3, 60px); flex: none; }
+.nao-cockpit .nao-pad { grid-template-columns: repeat(3, 66px); flex: none; }
 .nao-cockpit .nao-actions { grid-template-columns: repeat(4, minmax(0, 1fr)); flex: 1 1 300px; }
 .nao-cockpit .nao-actions:not(:has(.nao-do-view)) { grid-template-columns: repeat(3, minmax(0, 1fr)); }
 .nao-cockpit .nao-caps button { display: flex; flex-direction: column; justify-content: center; align-items: center;
@@ -138,6 +138,12 @@ _CSS = """
   .nao-cockpit .nao-tile:not(.nao-bad) small, .nao-cockpit .nao-bad span { display: none; }
   .nao-cockpit .nao-over .nao-board { white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
   .nao-cockpit .nao-map-lens figcaption { display: none; }
+  .nao-cockpit .nao-camera:not(.nao-chosen) .nao-caption { padding: 0 3px; }
+  .nao-cockpit .nao-camera:not(.nao-chosen) .nao-caption .widget-html-content { font-size: 10px; }
+}
+@container (min-width: 520px) and (max-width: 680px) {
+  .nao-cockpit .nao-map-legend { height: 40px; }
+  .nao-cockpit .nao-map-lens { bottom: 42px; }
 }
 @container (max-width: 440px) {
   .nao-cockpit .nao-stage { --h: 75cqw; grid-template-columns: minmax(0, 1fr); }

@@ -22,7 +22,7 @@ from nao_course.widgets.vector_map import MapContents, VectorMap
 from nao_course.widgets.world import WorldView
 
 WORLD_SIZE = (480, 340)  # px
-WORLD_HINT = "Drag to turn; the wheel zooms with Shift, or after a click."  # keys drive the robot
+WORLD_HINT = "Drag to turn; the wheel zooms with Shift, or from a click until Escape."  # keys drive the robot
 
 
 class Screen:
@@ -209,6 +209,7 @@ class Screen:
             paths[self._source] = own.path
         observer = self._source if paths.get(self._source) else "odometry"
         view = cockpit.pictures[self._camera].view
+        ground = view.visible_ground()
         shown = self._accuracy()
         return MapContents(
             {name: tuple(path) for name, path in paths.items()},
@@ -217,7 +218,7 @@ class Screen:
             observer,
             own.latest.points,
             own.latest.cells,
-            (view.yaw, view.hfov / 2),
+            (view.yaw, view.hfov / 2, ground[1] if ground else np.inf),
             shown.short if shown.verdict == "overconfident" else None,
         )
 

@@ -56,9 +56,9 @@ class MapContents:
         Points that the student's code found, in the frame of that robot, m.
     cells : ndarray, shape (N, 2)
         Centres of grid cells in world coordinates, m, for example frontiers. A `VectorMap` draws them under everything.
-    view : (float, float) or None
-        Direction and half of the opening angle of the camera's view, in the frame of that robot, rad. A `VectorMap`
-        draws it as a cone.
+    view : (float, float, float) or None
+        Direction and half of the opening angle of the camera's view, in the frame of that robot, rad, and its reach, m,
+        which may be infinite. A `VectorMap` draws it as a cone.
     short : ShortAxis or None
         The axis of the estimate that is too small. A `VectorMap` draws it with the error beside it.
     """
@@ -69,7 +69,7 @@ class MapContents:
     observer: str = "odometry"
     points: FloatArray = field(default_factory=lambda: _NO_POINTS)
     cells: FloatArray = field(default_factory=lambda: _NO_POINTS)
-    view: tuple[float, float] | None = None
+    view: tuple[float, float, float] | None = None
     short: ShortAxis | None = None
 
     @property

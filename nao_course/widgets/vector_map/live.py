@@ -31,7 +31,6 @@ from nao_course.widgets.vector_map.contents import MapContents
 
 CELL = 0.1  # m: side of a grid cell
 FARTHEST = 1e4  # m; nothing beyond it is sent
-VIEW_REACH = 1.6  # m: length of the view cone on the map
 KINDS_IN_LEGEND = ("corners", "goal posts", "crosses")  # in the order of LANDMARK_MARKERS
 FRONTIER, VIEW, TOO_SMALL = "#7a35d0", "#fffbe0", "#b3001b"
 _RENDER = """
@@ -98,7 +97,9 @@ class VectorMap:
         self.contents = MapContents({})
         layers = self._layers(cells)
         self._kinds = {each.name: each.kind for each in layers}
-        scene = scene_data(field, layers, carpet_bounds(field), self.alt, tallest)
+        x0, y0, x1, y1 = bounds = carpet_bounds(field)
+        self._diagonal = float(np.hypot(x1 - x0, y1 - y0))  # m: no view cone is longer
+        scene = scene_data(field, layers, bounds, self.alt, tallest)
         scene["field"]["label"] = "true lines and posts"
         self.widget = MapWidget(scene=scene)
         self.widget.on_msg(self._answer)
@@ -182,7 +183,7 @@ class VectorMap:
         ends = measured_points(contents.seen, pose)
         kinds = [each.kind for each in contents.seen]
         rays = np.hstack([np.tile([pose.x, pose.y], (len(ends), 1)), ends])
-        view = () if contents.view is None else (*_ahead(pose, contents.view), VIEW_REACH)
+        view = () if contents.view is None else _cone(pose, *contents.view, self._diagonal)
         frames: dict[str, FloatArray] = {
             "cells": np.asarray(contents.cells, dtype=float).reshape(-1, 2),
             "view": np.array(view, dtype=float).reshape(-1, 5),
@@ -252,6 +253,5 @@ def _drawable(frame: FloatArray) -> FloatArray:
     return np.asarray(frame[(np.isfinite(frame) & (np.abs(frame) < FARTHEST)).all(axis=1)])
 
 
-def _ahead(pose: Pose, view: tuple[float, float]) -> tuple[float, float, float, float]:
-    direction, half = view
-    return pose.x, pose.y, pose.theta + direction, half
+def _cone(pose: Pose, direction: float, half: float, reach: float, longest: float) -> tuple[float, ...]:
+    return pose.x, pose.y, pose.theta + direction, half, min(reach, longest)

@@ -24,8 +24,8 @@ class WorldWidget(anywidget.AnyWidget):
     viewpoint = traitlets.Dict().tag(sync=True)
     summary = traitlets.Unicode().tag(sync=True)
     hint = traitlets.Unicode(
-        "Drag to turn, or use the arrow keys; + and \N{MINUS SIGN} zoom, as does the mouse wheel after a click; "
-        "1, 2, 3 choose a view."
+        "Drag to turn, or use the arrow keys; + and \N{MINUS SIGN} zoom, as does the mouse wheel from a click "
+        "until Escape; 1, 2, 3 choose a view."
     ).tag(sync=True)
     estimate_name = traitlets.Unicode("").tag(sync=True)  # for the legend; by default the source's name
     needs_still = traitlets.Bool(False).tag(sync=True)  # a browser without WebGL shows pictures

@@ -34,7 +34,8 @@ def test_the_sliders_move_the_head_to_its_limits_and_both_pictures_follow():
     contents = panel.world.contents
     assert contents.head == pytest.approx(np.radians([40.0, -20.0]))
     assert all((pixels != before[camera]).mean() > 0.5 for camera, pixels in contents.pictures.items())
-    assert "Head yaw 40" in panel.summary() and "bottom camera" in panel.summary()
+    assert "Yaw to the left 40" in panel.summary() and "40° to the left" in panel.summary()
+    assert "ahead" not in panel.summary()
     panel.set(yaw=-119.5, pitch=29.5)
     assert panel.world.contents.head == pytest.approx(np.radians([-119.5, 29.5]))
     with pytest.raises(ValueError, match="yaw must be from"):

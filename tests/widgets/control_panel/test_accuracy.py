@@ -86,6 +86,7 @@ def test_the_tiles_say_the_numbers_and_their_verdict_and_a_hidden_truth_gives_ne
     assert shown.error is None and shown.verdict == "" and shown.radius > 0
     assert numbers_html(shown, has_truth=True, estimated=True).count("tick Show the truth") == 2
     assert "no truth" in numbers_html(shown, has_truth=False, estimated=True)
+    assert "if its error fits its uncertainty." in numbers_html(shown, has_truth=False, estimated=True)
     html = numbers_html(accuracy(estimate((0.54, 0.72, 0.0)), Pose()), has_truth=True, estimated=True)
     said = {0.0: "< 1 cm", 0.0051: "1 cm", 0.994: "99 cm", 1.0: "1.00 m"}
     assert {metres: say_length(metres) for metres in said} == said

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
-from nao_course.sim import Truth
-from nao_course.slam import Motion
+from nao_course.sim import SensorNoise, TorsoTilt, Truth
+from nao_course.slam import DeadReckoning, Motion
 from nao_course.widgets.control_panel.cockpit import STEP, TURN_STEP, Cockpit, small_steps
 from tests.widgets.robots import Recorder, clean_nao
 
@@ -28,3 +28,27 @@ def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there_and_a_heading_
     cockpit = Cockpit(clean_nao())
     cockpit.move(Motion(-1e-6, -1e-6))
     assert "-0" not in " ".join(cockpit.facts())
+
+
+def test_the_ideal_detector_measures_what_the_picture_on_the_screen_shows():
+    nao = clean_nao(pose=Pose(0.5, -0.5, 0.4), tilt=TorsoTilt(0.3, 0.3), sensor_noise=SensorNoise(0.0, 0.0))
+    cockpit, counts = Cockpit(nao, Truth(nao)), set()
+    for _ in range(10):
+        seen = cockpit.observe("bottom")
+        shown = [each for each in cockpit.picture_truth("bottom").landmarks if not each.occluded]
+        assert [each.bearing for each in seen] == sorted(
+            each.bearing for each in shown if each.landmark.detected_as
+        )
+        counts.add(len(seen))
+    assert len(counts) > 1  # the body tilts differently each time
+
+
+def test_an_algorithm_is_named_after_its_class_and_dead_reckoning_in_words():
+    said = {type(slam): Cockpit(clean_nao(), slam=slam) for slam in (DeadReckoning(), Recorder())}
+    assert said[DeadReckoning].names("ekf", False)["ekf"] == "odometry alone"
+    assert said[Recorder].names("ekf", False)["ekf"] == "Recorder"
+    said[DeadReckoning].observe()
+    assert (
+        "DeadReckoning" not in said[DeadReckoning].summary()
+        and "of odometry alone" in said[DeadReckoning].message
+    )

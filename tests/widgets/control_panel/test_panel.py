@@ -137,6 +137,19 @@ def test_a_failing_move_ends_the_drive_and_says_where():
         raise panel.error
 
 
+def test_the_map_shows_how_far_the_chosen_camera_sees():
+    panel, far = ControlPanel(clean_nao()), {}
+    for camera in ("top", "bottom"):
+        panel.camera = camera
+        panel.turn_head(pitch=1.5)
+        far[camera] = panel._screen.contents().view[2]
+        assert far[camera] == panel.cockpit.pictures[camera].view.visible_ground()[1]
+    assert far["bottom"] < far["top"] < np.inf
+    panel.turn_head(pitch=-2.0)
+    panel.camera = "top"
+    assert panel._screen.contents().view[2] == np.inf  # the horizon, or no ground
+
+
 def test_measure_gets_the_picture_and_its_view_and_without_it_the_ideal_detector_measures():
     got = []
 
@@ -223,7 +236,9 @@ def test_code_that_never_ends_is_stopped_and_the_panel_lives():
     assert panel.cockpit.nao.odometry.x == pytest.approx(before + 0.2)
     assert panel.cockpit.message == "Walk 0.20 m ahead: done."
     press(panel, "slam")
-    assert "Measured 1 landmark; the map of Endless contains 0" in panel.cockpit.message
+    assert (
+        "Measured 1 landmark with the bottom camera; the map of Endless contains 0" in panel.cockpit.message
+    )
     assert "nao-alarm" not in panel._controls.status.value
 
 

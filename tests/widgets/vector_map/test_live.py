@@ -55,7 +55,7 @@ def test_a_page_that_followed_all_changes_shows_what_a_new_page_gets(live):
     steps = [MapContents({"truth": PATH[:n], "ekf": PATH[:n]}, observer="ekf") for n in (1, 2, 5)]
     steps += [
         MapContents({"truth": PATH}, ESTIMATE, [Measurement(0.1, 1.0)], "truth", rng.random((3, 2))),
-        MapContents({"truth": PATH}, cells=rng.random((4, 2)), view=(0.3, 0.5)),
+        MapContents({"truth": PATH}, cells=rng.random((4, 2)), view=(0.3, 0.5, 2.0)),
         MapContents({"truth": PATH[2:]}, ESTIMATE),
     ]
     for contents in steps:
@@ -71,11 +71,15 @@ def test_a_page_that_followed_all_changes_shows_what_a_new_page_gets(live):
 def test_measurements_points_and_view_are_placed_from_the_robot_that_measured(live):
     robot = Pose(1.0, 0.5, np.pi / 2)
     seen = [Measurement(0.0, 2.0, "post")], "truth", np.array([(1.0, 0.0)])
-    live.update(MapContents({"truth": [robot]}, None, *seen, view=(0.1, 0.5)))
+    live.update(MapContents({"truth": [robot]}, None, *seen, view=(0.1, 0.5, 2.0)))
     layers = live.sent[-1]["layers"]
     assert layers["rays"] == [1000, 500, 1000, 2500] and layers["seen"] == [1000, 2500, 1]
     assert layers["points"] == [1000, 1500]
-    assert layers["view"][:4] == [1000, 500, 1671, 500]
+    assert layers["view"] == [1000, 500, 1671, 500, 2000]
+    live.update(MapContents({"truth": [robot]}, view=(0.1, 0.5, np.inf)))
+    x0, y0, x1, y1 = live.widget.scene["bounds"]
+    diagonal = np.hypot(x1 - x0, y1 - y0)
+    assert live.sent[-1]["layers"]["view"][4] == pytest.approx(diagonal, abs=1), "not infinite"
 
 
 def test_cells_are_under_everything_and_words_say_where_each_robot_is_and_invalid_ellipses_are_left_out(live):
