@@ -29,9 +29,9 @@ PHOTO_QUALITY = 82  # of 100: a photograph of 320 x 240 pixels is not to be told
 FILMS: Mapping[str, Mapping[str, str]] = {
     "07_ekf_slam": {"tools.FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},
     "08_graph_slam": {
-        "GraphPanel(add_initial_position, add_relative_motion, add_relative_measurement, solve)": "08_graph_slam"
+        "tools.GraphPanel(add_initial_position, add_relative_motion, add_relative_measurement, solve)": "08_graph_slam"
     },
-    "09_pose_graphs": {"RelaxPanel()": "09_pose_graphs"},
+    "09_pose_graphs": {"tools.RelaxPanel()": "09_pose_graphs"},
     "11_slam_on_the_field": {
         "check.payoff(tools.draw_drives, measure=measure, EkfSlam=EkfSlam, GraphSlam=GraphSlam)": "11_slam_on_the_field"
     },

@@ -41,18 +41,24 @@ from nao_course.exercises.trying import (
 
 _SECONDS_FOR_A_REASON = 2.0  # wall clock for a case of another exercise that the report mentions
 _DATA = "checks"
+_CALLS = ("earlier",)  # of an exercise; read when needed
 
 
 class CheckFailed(AssertionError):  # noqa: N818 - it reads as a sentence in a traceback
     """Raised by a failed check in tests and under nbgrader."""
 
 
-def read_public(name: str) -> PublicLesson:
+def read_public(name: str, omitted: tuple[str, ...] = _CALLS) -> PublicLesson:
     """Read the checks' data of a lesson such as "01_hsl_filtering"; raise a ValueError if there is no such lesson."""
     there = lessons()
     if name not in there:
         raise ValueError(f"there is no lesson {name!r} with checks; choose one of {there}")
-    return _read(name, zlib.crc32(_data(name)))
+    return _read(name, zlib.crc32(_data(name)), omitted)
+
+
+def read_summary(name: str) -> PublicLesson:
+    """Read a lesson's data without cases and mistakes, which are most of it."""
+    return read_public(name, (*_CALLS, "cases", "mistakes", "pairs"))
 
 
 def _data(name: str) -> bytes:
@@ -61,17 +67,15 @@ def _data(name: str) -> bytes:
 
 
 @lru_cache(maxsize=32)  # `progress` calls it several times for each lesson
-def _read(name: str, checksum: int) -> PublicLesson:
-    """Read a lesson's data without the recorded calls, which are most of it and rarely needed."""
-    lesson = unpack(_data(name))
+def _read(name: str, checksum: int, omitted: tuple[str, ...]) -> PublicLesson:
+    """Read a lesson's data without the recorded calls, which are rarely needed and are read then."""
+    lesson = unpack(_data(name), omitted)
 
-    def without_calls(number: int, exercise: PublicExercise) -> PublicExercise:
-        if not exercise.earlier:
-            return exercise
+    def with_calls(number: int, exercise: PublicExercise) -> PublicExercise:
         calls = CallsWhenNeeded(lambda: unpack(_data(name)).exercises[number].earlier)
         return replace(exercise, earlier=calls)
 
-    return replace(lesson, exercises=list(map(without_calls, count(), lesson.exercises)))
+    return replace(lesson, exercises=list(map(with_calls, count(), lesson.exercises)))
 
 
 def lessons() -> list[str]:
@@ -85,10 +89,11 @@ def pack(lesson: PublicLesson) -> bytes:
     return zlib.compress(encode(lesson), 9)
 
 
-def unpack(data: bytes) -> PublicLesson:
-    """Decode a lesson's public data from the bytes of its file."""
+def unpack(data: bytes, omitted: Collection[str] = ()) -> PublicLesson:
+    """Decode a lesson's public data from the bytes of its file; `omitted` attributes of exercises are left empty."""
     frame = zlib.decompressobj().decompress(data, 64 * 2**20)
-    lesson = decode(frame, Limits(size=64 * 2**20), trusted=True)  # the file is part of this package
+    # The file is part of this package.
+    lesson = decode(frame, Limits(size=64 * 2**20), trusted=True, omitted=omitted)
     if not isinstance(lesson, PublicLesson):
         raise ValueError("not a lesson's check data")
     return lesson

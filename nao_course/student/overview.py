@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from nao_course.exercises.checking import lessons, read_public
+from nao_course.exercises.checking import lessons, read_summary
+from nao_course.exercises.exercise import PublicLesson
+from nao_course.exercises.judging.report import CheckState
+from nao_course.exercises.notebook_text import read_notebook
+from nao_course.exercises.outline import read_outline
+from nao_course.student import verdicts
 from nao_course.student.notebooks import functions, notebook_of, notebooks_folder
 
 PUBLIC_ONLY = "These are the public checks; the grader uses further checks with other inputs."
+# The states of the exercises that do not pass, the unwritten questions, and why the notebook cannot be read
+_Standing = tuple[Mapping[str, CheckState], tuple[str, ...], str]
 _HEADINGS = ("lesson", "state", "exercises that pass", "points", "in your own words")
 
 
@@ -116,30 +123,53 @@ def progress(folder: str | Path | None = None) -> Progress:
 
 def lesson_progress(lesson: str, folder: Path) -> LessonProgress:
     """Return the progress in a lesson's saved notebook."""
-    public = read_public(lesson)
-    found = functions(lesson, folder)
-    states = {report.name: report.state for report in found.reports}
+    public = read_summary(lesson)
+    path = notebook_of(lesson, folder)
+    states, unwritten, problem = _known(public, path) or _checked(lesson, folder)
+    passed = [each for each in public.exercises if each.name not in states]
     left = [
         *(
             f"exercise {each.number} {each.name} ({states[each.name]})"
             for each in public.exercises
             if each.name in states
         ),
-        *(f"{number}, in your own words" for number in found.unwritten),
+        *(f"{number}, in your own words" for number in unwritten),
     ]
     return LessonProgress(
         lesson,
-        passed=len(found),
+        passed=len(passed),
         exercises=len(public.exercises),
-        earned=sum(each.points for each in public.exercises if each.name in found),
+        earned=sum(each.points for each in passed),
         points=sum(each.points for each in public.exercises),
-        answered=len(public.written) - len(found.unwritten),
+        answered=len(public.written) - len(unwritten),
         written=len(public.written),
         written_points=sum(each.points for each in public.written),
-        problem=found.problem,
+        problem=problem,
         upcoming=left[0] if left else "",
-        is_unread=bool(found.problem) and notebook_of(lesson, folder).exists(),
+        is_unread=bool(problem) and path.exists(),
     )
+
+
+def _checked(lesson: str, folder: Path) -> _Standing:
+    """Run a notebook's definitions and the public checks on them."""
+    found = functions(lesson, folder)
+    return {report.name: report.state for report in found.reports}, found.unwritten, found.problem
+
+
+def _known(public: PublicLesson, path: Path) -> _Standing | None:
+    """Return the result of the public checks if it is known without them: all passed, or nothing was changed."""
+    released = read_outline(public.name)
+    try:
+        text = read_notebook(path, released)
+    except (OSError, ValueError):
+        return None
+    names = [each.name for each in public.exercises]
+    unwritten = tuple(each.number for each in public.written if not text.written.get(each.name))
+    if all(released.is_released(source) for _, source in text.cells):
+        return dict.fromkeys(names, "not attempted"), unwritten, ""
+    if all(verdicts.kept(path, name) == "" for name in names):
+        return {}, unwritten, ""
+    return None
 
 
 def _sum(lessons: Sequence[LessonProgress]) -> str:

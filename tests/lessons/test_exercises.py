@@ -1,5 +1,6 @@
 """Every exercise of every lesson keeps the rules of docs/write_a_lesson.md, by their numbers there."""
 
+import json
 import os
 import subprocess
 import sys
@@ -21,7 +22,6 @@ from tests.lessons.every import (
     graded,
     public_exercise,
     reference,
-    student_copy,
     waived,
     waived_rules_are_skipped,  # noqa: F401 - for every test here
 )
@@ -132,13 +132,28 @@ def test_checks_load_no_panel_and_no_figure():
 
 
 def test_set_up_cells_load_neither_matplotlib_nor_widgets(tmp_path):
-    """They come with the first figure and the first panel; `so_far` looks at the stages of all lessons."""
-    (cell, *_) = (cell.source for cell in student_copy("12_beyond").cells if cell.cell_type == "code")
+    """They come with the first figure and the first panel; `so_far` looks at the stages of all lessons.
+
+    All cells run in one process: what one of them has loaded stays loaded.
+    """
+    cells = {}
+    for name in NAMES:
+        _, cell = lesson_text.code_cells(lesson_text.read_lesson(COURSE.text(name)))[0]
+        assert "so_far(" in cell.source
+        cells[name] = cell.source
     script = (
-        f"{cell}\nimport sys\nprint([name for name in ('ipywidgets', 'matplotlib') if name in sys.modules])"
+        "import json, sys\n"
+        "for name, cell in json.load(sys.stdin).items():\n"
+        "    exec(cell, {})\n"
+        "    print('LOADED', name, [each for each in ('ipywidgets', 'matplotlib') if each in sys.modules])"
     )
-    environment = os.environ | {"NAO_COURSE_NOTEBOOKS": str(tmp_path)}
     ran = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
+        [sys.executable, "-c", script],
+        input=json.dumps(cells),
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"NAO_COURSE_NOTEBOOKS": str(tmp_path)},
     )
-    assert "so_far(" in cell and ran.stdout.splitlines()[-1] == "[]"
+    loaded = [line for line in ran.stdout.splitlines() if line.startswith("LOADED")]
+    assert loaded == [f"LOADED {name} []" for name in NAMES]

@@ -5,18 +5,22 @@ from dataclasses import replace
 
 import pytest
 
+from nao_course.exercises import checking
 from nao_course.exercises.exercise import ANSWER_HERE, PublicWritten
 from nao_course.student import notebooks, overview, progress
+from tests.paths import PROJECT
 from tests.student.test_notebooks import BLANK, ENDLESS, needs_alarm
 from tests.toy import toy
+
+LESSONS = checking.lessons()
 
 
 @pytest.fixture
 def written(public, monkeypatch):
     """The lesson has a written question, too."""
     asked = replace(public, written=[PublicWritten("why", "90.W1", 2.0)])
-    for module in (overview, notebooks):
-        monkeypatch.setattr(module, "read_public", {"90_toy": asked}.__getitem__)
+    monkeypatch.setattr(overview, "read_summary", {"90_toy": asked}.__getitem__)
+    monkeypatch.setattr(notebooks, "read_public", {"90_toy": asked}.__getitem__)
 
 
 def answer(path, text):
@@ -66,6 +70,30 @@ def test_written_answers_are_counted_apart_and_named_when_blank(tmp_path, writte
         named = last_lines(progress(tmp_path))[1] == "Next: 90.W1, in your own words, in 90_toy."
         assert named is (cells is toy.SOLUTION and text == ANSWER_HERE)
     assert "✔ done" in repr(progress(tmp_path))
+
+
+@pytest.mark.parametrize(
+    "name", [each if each[:2] == "11" else pytest.param(each, marks=pytest.mark.slow) for each in LESSONS]
+)
+def test_a_notebook_as_it_was_released_is_not_run_and_running_it_would_give_the_same(name, monkeypatch):
+    monkeypatch.undo()
+    folder = PROJECT / "notebooks"
+    with monkeypatch.context() as without:
+        without.setattr(overview, "functions", None)
+        unread = overview.lesson_progress(name, folder)
+    monkeypatch.setattr(overview, "_known", lambda public, path: None)
+    assert unread == overview.lesson_progress(name, folder) and "not attempted" in unread.upcoming
+    assert not any(each.cases for each in checking.read_summary(name).exercises)
+
+
+def test_a_notebook_whose_exercises_all_passed_is_not_run_again_before_it_is_saved(tmp_path, monkeypatch):
+    path = toy.write(tmp_path / "90_toy.ipynb", *toy.SOLUTION)
+    first = progress(tmp_path)
+    with monkeypatch.context() as without:
+        without.setattr(overview, "functions", None)
+        assert progress(tmp_path) == first
+    toy.write(path, toy.CLAMP, BLANK)
+    assert "1 of 2" in repr(progress(tmp_path))
 
 
 @needs_alarm

@@ -38,8 +38,9 @@ def assignment(tmp_path_factory):
 def public(assignment, monkeypatch):
     """The lesson as a student's copy reads it."""
     lesson = unpack(pack(PublicLesson(values.LESSON, [task.public for task in assignment.tasks], [])))
-    for module in (student, checking, overview):
+    for module in (student, checking):
         monkeypatch.setattr(module, "read_public", {values.LESSON: lesson}.__getitem__)
+    monkeypatch.setattr(overview, "read_summary", {values.LESSON: lesson}.__getitem__)
     monkeypatch.setattr(overview, "lessons", lambda: [values.LESSON])
     return lesson
 
