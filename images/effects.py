@@ -53,7 +53,7 @@ def _labelled(pixels: Pixels, label: str) -> Pixels:
 
 
 def draw_effects() -> bytes:
-    """Return a PNG: clean, every effect alone, and the presets with all of them; the same at every call."""
+    """Return a WebP picture: clean, every effect alone, and the presets with all of them; the same at every call."""
     panels = [_labelled(_picture(Reality.clean(_SEED)), "clean: no effect")]
     for name in Reality.effects():
         strength = _SHOWN.get(name, getattr(Reality(), name))
@@ -64,7 +64,5 @@ def draw_effects() -> bytes:
     panels += [np.full_like(panels[0], 255)] * (-len(panels) % _COLUMNS)
     rows = [np.hstack(panels[i : i + _COLUMNS]) for i in range(0, len(panels), _COLUMNS)]
     small = np.asarray(cv2.resize(np.vstack(rows), None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA))
-    # Sixty-four shades a channel are enough for so small a figure, and halve the file.
-    coarse = small & 0b11111100
-    _, png = cv2.imencode(".png", coarse[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 9])
-    return png.tobytes()
+    _, webp = cv2.imencode(".webp", small[..., ::-1], [cv2.IMWRITE_WEBP_QUALITY, 85])
+    return webp.tobytes()

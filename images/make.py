@@ -46,7 +46,7 @@ def effects() -> Files:
     """What each effect of the simulator's pictures does."""
     from images.effects import draw_effects
 
-    return {Path("images", "effects.png"): draw_effects()}
+    return {Path("images", "effects.webp"): draw_effects()}
 
 
 def own_fields() -> Files:

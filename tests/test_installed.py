@@ -59,7 +59,7 @@ class Environment:
 
     def __init__(self, folder: Path, python: str) -> None:
         self.prefix, self.folder = folder / "environment", folder / "work"
-        self.folder.mkdir()
+        self.folder.mkdir(parents=True, exist_ok=True)
         subprocess.run([python, "-m", "venv", "--without-pip", str(self.prefix)], check=True)
         self.programs = self.prefix / ("Scripts" if sys.platform == "win32" else "bin")
 

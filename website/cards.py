@@ -28,8 +28,8 @@ def cards(lessons: Sequence[Lesson], folder: Path) -> str:
         picture = ""
         if lesson.picture:
             figure = folder.parent / "lessons" / lesson.figure
-            name = f"{lesson.number}.jpeg"
-            _shrunk(figure, lesson.about["card"]).save(folder / name, quality=88)
+            name = f"{lesson.number}.webp"
+            _shrunk(figure, lesson.about["card"]).save(folder / name, quality=82)
             picture = f"![{lesson.about['card_shows']}]({folder.name}/{name})\n\n"
         title = f"[{lesson.number} {lesson.title}](lessons/{lesson.name}.ipynb)"
         text = f"{_without_opening(lesson.goal)} *{lesson.minutes + lesson.later} minutes*"

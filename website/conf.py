@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 from importlib.resources import files
@@ -32,10 +33,13 @@ myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
 myst_dmath_double_inline = True
 myst_heading_anchors = 4
 
-# Formulas: MathJax lies beside the pages, without its menu, which would ask for more of it.
-mathjax_path = "mathjax/tex-chtml.js"
-mathjax3_config = {"options": {"enableMenu": False}}
-MATHJAX = ("tex-chtml.js", "input/tex/extensions/*.js", "output/chtml/fonts/woff-v2/*.woff")
+# Formulas: MathJax lies beside the pages, without its menu, the extensions of its TeX, and its Fraktur, script,
+# sans-serif and typewriter letters, which no page uses.
+mathjax_path = "mathjax/startup.js"
+MATHJAX = ("core", "input/tex", "output/chtml", "a11y/assistive-mml")
+mathjax3_config = {"loader": {"load": MATHJAX}, "options": {"enableMenu": False}}
+FONTS = "output/chtml/fonts"
+UNUSED = re.compile("Calligraphic|Fraktur|SansSerif|Script|Typewriter")
 
 # Reference
 default_role = "py:obj"
@@ -85,13 +89,17 @@ def as_written(app: Sphinx, document: nodes.document) -> None:
 
 
 def copy_mathjax(app: Sphinx, problem: Exception | None) -> None:
-    """Lay what the pages need of MathJax beside them; the package has 24 MB, of which they ask for 2."""
+    """Copy the part of MathJax that the pages load, 1 of the package's 24 MB, and remove files for debuggers."""
     if problem is None:
         source = Path(str(files("sphinx-mathjax-offline"))) / "static" / "mathjax"
-        for path in (found for pattern in MATHJAX for found in source.glob(pattern)):
+        scripts = [source / f"{name}.js" for name in ("startup", *MATHJAX, f"{FONTS}/tex")]
+        fonts = (source / FONTS / "woff-v2").glob("MathJax_*.woff")
+        for path in (*scripts, *(path for path in fonts if not UNUSED.search(path.name))):
             target = Path(app.outdir) / "_static" / "mathjax" / path.relative_to(source)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(path, target)
+        for path in Path(app.outdir).rglob("*.map"):
+            path.unlink()
 
 
 def setup(app: Sphinx) -> None:

@@ -110,7 +110,7 @@ def gather(edition: Edition, course: Course, names: Sequence[str], folder: Path)
         if not edition.has_solutions:
             add_figures(notebook, _read(ROOT / "solutions" / f"{name}.ipynb"))
         add_films(notebook, name)
-        save_pictures(notebook, pictures)
+        save_pictures(notebook, lessons / "images", pictures)
         _fold(notebook)
         (lessons / f"{name}.ipynb").write_text(json.dumps(notebook), encoding="utf-8")
     shutil.copytree(ROOT / "images", folder / "images", ignore=shutil.ignore_patterns("*.py", "__pycache__"))

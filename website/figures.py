@@ -6,6 +6,7 @@ import re
 from base64 import b64decode
 from collections.abc import Mapping
 from hashlib import sha256
+from html import escape
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,11 @@ _IMAGE = (
 _AROUND = r'<span class="nao-around" style="clip-path: polygon\([a-z0-9.,% ]+\)"></span>'
 _PICTURE = re.compile(rf'<div class="nao-photos">{_IMAGE}{_AROUND}</div>|{_IMAGE}')
 _DATA = re.compile(r'src="data:image/(png|jpeg);base64,([A-Za-z0-9+/=]+)"')
-PHOTO_QUALITY = 82  # of 100: a photograph of 320 x 240 pixels is not to be told apart from the notebook's
+_OPENING = re.compile(r"^!\[([^]]+)\]\(images/([\w.]+\.(?:png|jpeg))\)$", re.MULTILINE)
+PHOTO_QUALITY = 75  # of 100: a photograph of 320 x 240 pixels is not to be told apart from the notebook's
+COLOURS = (
+    64  # of a drawing: each of its 256 colours changes by less than a tenth of the range, and most by nothing
+)
 # The film of a lesson stands below the figure, if there is one, of the first cell with this line.
 FILMS: Mapping[str, Mapping[str, str]] = {
     "07_ekf_slam": {"tools.FilmPanel(init_landmarks, predict, update)": "07_ekf_slam"},
@@ -72,26 +77,43 @@ def add_films(notebook: dict[str, Any], lesson: str) -> None:
         found[0]["outputs"] = [*kept, _html(film_html(recorded_film(name)))]
 
 
-def save_pictures(notebook: dict[str, Any], folder: Path) -> None:
-    """Save the pictures that a notebook's outputs hold as text into a folder beside its page.
+def save_pictures(notebook: dict[str, Any], images: Path, folder: Path) -> None:
+    """Save the pictures of a notebook's outputs and texts into a folder beside its page.
 
-    The notebook is changed. Drawings keep every pixel, photographs are compressed; a browser loads each when it comes
-    into view.
+    The notebook is changed. Drawings keep every pixel, but fewer colours; photographs are compressed. A browser loads
+    each when it comes into view. A figure that is also the lesson's opening picture, a file of `images`, is saved once.
     """
+    files = {path.name: path.read_bytes() for path in images.iterdir()}
+    names = {content: name for name, content in files.items()}
+
+    def saved(content: bytes, kind: str) -> str:
+        return _saved(content, names.get(content) or sha256(content).hexdigest()[:16], kind, folder)
+
+    def opening(found: re.Match[str]) -> str:
+        source = saved(files[found[2]], found[2].rpartition(".")[2])
+        return f'<p><img alt="{escape(found[1])}" {source}></p>'
+
     for cell in notebook["cells"]:
+        if cell["cell_type"] == "markdown":
+            cell["source"] = _OPENING.sub(opening, "".join(cell["source"]))
         for output in cell.get("outputs", ()):
             data = output.get("data", {})
             if "text/html" in data:
-                data["text/html"] = _DATA.sub(lambda found: _saved(found, folder), "".join(data["text/html"]))
+                data["text/html"] = _DATA.sub(
+                    lambda found: saved(b64decode(found[2]), found[1]), "".join(data["text/html"])
+                )
 
 
-def _saved(found: re.Match[str], folder: Path) -> str:
-    """Save a picture under the name of its bytes, and return the attribute that shows it."""
-    content = b64decode(found[2])
-    path = folder / f"{sha256(content).hexdigest()[:16]}.webp"
+def _saved(content: bytes, name: str, kind: str, folder: Path) -> str:
+    """Save a picture, "png" or "jpeg", under a name, and return the attributes that show it."""
+    path = folder / f"{name}.webp"
     if not path.exists():
         with Image.open(BytesIO(content)) as picture:
-            picture.save(path, lossless=found[1] == "png", quality=PHOTO_QUALITY)
+            if kind == "png":
+                fewer = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
+                fewer.save(path, lossless=True)
+            else:
+                picture.save(path, quality=PHOTO_QUALITY)
     return f'loading="lazy" src="{folder.name}/{path.name}"'
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import itertools
 import warnings
 from pathlib import Path
@@ -10,14 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from nao_course.datasets.files import brief, contents, data_folder
+from nao_course.datasets.files import brief, data_folder
 from nao_course.datasets.g2o import parts_of
 from nao_course.datasets.graph_lines import LARGEST_NUMBER, positive_definite
+from nao_course.datasets.matlab import matlab_variables
 from nao_course.geometry import FloatArray
 from nao_course.graphs import LANDMARK, POSE, Graph
 
 LARGEST_FILE = 50_000_000  # bytes
 WIDTH = {"P": 3, "L": 2}
+FIELDS = ("type", "from", "to", "measurement", "information")  # of an edge
 
 
 def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArray]:
@@ -50,10 +51,8 @@ def read_freiburg_graph(path: Path | str | None = None) -> tuple[Graph, FloatArr
     struct = _struct(path)
     x = _array(path, "g.x", struct["x"], (np.size(struct["x"]),))
     places = _places(path, struct["idLookup"], len(x))
-    edges = [
-        _Edge(f"{path}, edge {number}", edge, places)
-        for number, edge in enumerate(np.ravel(struct["edges"]), 1)
-    ]
+    several = struct["edges"] if isinstance(struct["edges"], list) else [struct["edges"]]
+    edges = [_Edge(f"{path}, edge {number}", edge, places) for number, edge in enumerate(several, 1)]
     if not edges:
         raise ValueError(f"{path}: a graph needs edges, because only they say which vertices are poses")
     is_pose = {
@@ -92,15 +91,12 @@ class _Edge:
     """A checked edge of the file: its kind, the indices of its ends in the state vector, and its measurement."""
 
     def __init__(self, where: str, edge: Any, places: dict[int, int]) -> None:
-        fields = {
-            name: getattr(edge, name, None) for name in ("type", "from", "to", "measurement", "information")
-        }
-        if any(value is None for value in fields.values()):
-            raise ValueError(f"{where}: needs the fields {', '.join(fields)}")
-        self.where, self.kind = where, str(fields["type"])
+        if not isinstance(edge, dict) or any(name not in edge for name in FIELDS):
+            raise ValueError(f"{where}: needs the fields {', '.join(FIELDS)}")
+        self.where, self.kind = where, str(edge["type"])
         if self.kind not in WIDTH:
             raise ValueError(f"{where}: type must be P or L, got {brief(self.kind)}")
-        self.names = [_name(where, fields[end]) for end in ("from", "to")]
+        self.names = [_name(where, edge[end]) for end in ("from", "to")]
         for name in self.names:
             if name not in places:
                 raise ValueError(f"{where}: there is no vertex {name} in idLookup")
@@ -109,8 +105,8 @@ class _Edge:
             raise ValueError(f"{where}: connects vertex {self.names[0]} with itself")
         width = WIDTH[self.kind]
         self.measurement, self.information = np.zeros(3), np.zeros((3, 3))
-        self.measurement[:width] = _array(where, "measurement", fields["measurement"], (width,))
-        information = _array(where, "information", fields["information"], (width, width))
+        self.measurement[:width] = _array(where, "measurement", edge["measurement"], (width,))
+        information = _array(where, "information", edge["information"], (width, width))
         if (
             not np.allclose(information, information.T, rtol=1e-9)
             or not positive_definite(information[None])[0]
@@ -123,27 +119,18 @@ class _Edge:
 
 def _struct(path: Path) -> dict[str, Any]:
     """Return the fields of the struct g."""
-    import scipy.io  # here, because lessons that read no graph would wait for it
-
-    data = contents(path, LARGEST_FILE)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            struct = scipy.io.loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=True)["g"]
-        return {name: getattr(struct, name) for name in ("x", "edges", "idLookup")}
-    except Exception as error:  # noqa: BLE001 - a damaged file may cause any error
-        raise ValueError(
-            f"{path}: expected a MATLAB file (version 5 to 7) with a struct g that has x, edges and idLookup; "
-            f"{type(error).__name__}: {error!s:.80}"
-        ) from None
+    struct = matlab_variables(path, LARGEST_FILE, ("g",))["g"]
+    if not isinstance(struct, dict) or any(name not in struct for name in ("x", "edges", "idLookup")):
+        raise ValueError(f"{path}: g must be a struct with the fields x, edges and idLookup")
+    return struct
 
 
 def _places(path: Path, lookup: Any, size: int) -> dict[int, int]:
     """Return the index in the state vector, from 0, at which each vertex begins."""
     places = {}
-    for key in getattr(lookup, "_fieldnames", ()):
+    for key, vertex in (lookup if isinstance(lookup, dict) else {}).items():
         name = _name(f"{path}, idLookup", key)
-        offset = getattr(getattr(lookup, key), "offset", None)
+        offset = vertex.get("offset") if isinstance(vertex, dict) else None
         place = float(_array(f"{path}, idLookup, vertex {name}", "offset", offset, ()))
         if not (place.is_integer() and 0 <= place < size):
             raise ValueError(f"{path}, idLookup: vertex {name} begins at {place:g}, outside the state vector")

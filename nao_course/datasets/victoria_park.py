@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.datasets.files import brief
-from nao_course.datasets.matlab import matlab_arrays
+from nao_course.datasets.matlab import matlab_variables
 from nao_course.geometry import FloatArray
 
 # Limits far above any real log, but low enough that a malicious file cannot use much memory or time.
@@ -138,7 +138,9 @@ def _trunks(scans: FloatArray) -> tuple[npt.NDArray[np.intp], FloatArray, FloatA
 def _columns(path: Path, shapes: dict[str, tuple[int, ...]]) -> list[FloatArray]:
     """Return variables of a file, given with the shape of their rows; the first one contains the time of each row."""
     columns = list[FloatArray]()
-    for name, values in matlab_arrays(path, LARGEST_FILE, tuple(shapes)).items():
+    for name, values in matlab_variables(path, LARGEST_FILE, tuple(shapes)).items():
+        if not isinstance(values, np.ndarray):
+            raise ValueError(f"{path}: {name} is not an array of real numbers")
         if not columns and (values.ndim != 1 or len(values) < 2 or (np.diff(values) < 0).any()):
             raise ValueError(
                 f"{path}: {name} must be at least 2 times that do not decrease, got {brief(str(values))}"

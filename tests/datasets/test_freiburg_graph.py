@@ -1,5 +1,6 @@
 """Freiburg's graph is read whole, or refused with its file and edge."""
 
+import struct
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.io
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from nao_course.datasets import read_freiburg_graph
 from nao_course.graphs import LANDMARK, POSE
@@ -22,7 +25,7 @@ def a_graph() -> dict[str, Any]:
 
 def saved(folder: Path, graph: Any, name: str = "g") -> Path:
     path = folder / "graph.mat"
-    if isinstance(graph, dict) and "edges" in graph:
+    if isinstance(graph, dict) and isinstance(graph.get("edges"), list):
         graph["edges"] = np.array(graph["edges"], dtype=object)
     scipy.io.savemat(path, {name: graph})
     return path
@@ -66,7 +69,7 @@ def edge(number: int, **to: Any) -> Callable[[dict[str, Any]], None]:
         (lambda graph: graph["idLookup"]["x8"].update(offset=99), "vertex 8 begins at 99, outside"),
         (lambda graph: graph["idLookup"]["x8"].pop("offset"), "vertex 8: offset must be finite numbers"),
         (lambda graph: graph["x"].__setitem__(3, np.inf), "g.x must be finite"),
-        (lambda graph: graph.pop("edges"), "expected a MATLAB file"),
+        (lambda graph: graph.pop("edges"), "g must be a struct with the fields x, edges and idLookup"),
         (lambda graph: graph.update(edges=[]), "a graph needs edges"),
     ],
 )
@@ -75,6 +78,71 @@ def test_what_is_wrong_is_refused_with_file_and_edge(tmp_path, change, message):
     change(graph)
     with pytest.raises(ValueError, match=rf"graph\.mat.*{message}"):
         read_freiburg_graph(saved(tmp_path, graph))
+
+
+def as_one_array(graph: dict[str, Any]) -> dict[str, Any]:
+    """Return the graph with its edges in one array of structs, as in the course's file, instead of cells."""
+    fields = [(name, object) for name in graph["edges"][0]]
+    return graph | {"edges": np.array([tuple(edge.values()) for edge in graph["edges"]], fields)}
+
+
+def test_edges_in_cells_in_one_array_or_alone_are_read_alike(tmp_path):
+    graph, states = read_freiburg_graph(saved(tmp_path, a_graph()))
+    other, same = read_freiburg_graph(saved(tmp_path, as_one_array(a_graph())))
+    assert states.tolist() == same.tolist()
+    assert all(np.array_equal(value, vars(other)[name]) for name, value in vars(graph).items())
+    alone = a_graph()
+    del alone["edges"][1], alone["idLookup"]["x5"]
+    assert read_freiburg_graph(saved(tmp_path, as_one_array(alone)))[0].edges.tolist() == [[0, 1]]
+
+
+def put(place: int, data: bytes) -> Callable[[bytes], bytes]:
+    return lambda file: file[:place] + data + file[place + len(data) :]
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda file: file[:-10], "it ends too early"),
+        (put(126, b"17"), "cannot be read as a MATLAB file of version 5 to 7"),
+        (put(136 + 24, b"\xff\xff\xff\x7f"), "2147483647 structs of 3 fields have 3 values"),
+        (put(136 + 44, b"\0\0\0\0"), "cannot be read as a MATLAB file"),
+        (lambda file: file[:128] + nested(2000), "recursion"),
+    ],
+)
+def test_a_wrong_size_is_refused_with_the_file(tmp_path, damage, message):
+    path = saved(tmp_path, as_one_array(a_graph()))
+    path.write_bytes(damage(path.read_bytes()))
+    with pytest.raises(ValueError, match=rf"graph\.mat: .*{message}"):
+        read_freiburg_graph(path)
+
+
+def nested(depth: int) -> bytes:
+    """Return a variable g of cells in cells."""
+    head = struct.pack("<8I", 6, 8, 1, 0, 5, 8, 1, 1) + struct.pack("<HH4s", 1, 1, b"g")
+    cells = b""
+    for _ in range(depth):
+        cells = struct.pack("<2I", 14, len(head) + len(cells)) + head + cells
+    return cells
+
+
+@settings(max_examples=60, deadline=None)
+@given(place=st.integers(0, 5_000), bits=st.integers(1, 255), cut=st.booleans())
+@pytest.mark.filterwarnings("ignore:.*parts, and vertices")
+def test_random_edits_give_a_graph_or_a_message_with_the_file(tmp_path_factory, place, bits, cut):
+    path = saved(tmp_path_factory.mktemp("edited"), as_one_array(a_graph()))
+    data = bytearray(path.read_bytes())
+    place %= len(data)
+    data[place] ^= bits
+    path.write_bytes(data[:place] if cut else data)
+    try:
+        graph, states = read_freiburg_graph(path)
+    except ValueError as error:
+        said = str(error)
+    else:
+        said = str(path)
+        assert states.shape == (graph.size,) and np.isfinite(states).all()
+    assert str(path) in said
 
 
 @pytest.mark.parametrize("cut", [1, 130, -10])
@@ -88,9 +156,9 @@ def test_a_damaged_file_is_refused(tmp_path, cut):
 def test_what_is_no_such_file_is_refused(tmp_path):
     with pytest.raises(ValueError, match="cannot be read"):
         read_freiburg_graph(tmp_path / "nothing")
-    with pytest.raises(ValueError, match="expected a MATLAB file"):
+    with pytest.raises(ValueError, match=r"graph\.mat: g must be a struct"):
         read_freiburg_graph(saved(tmp_path, 3.0))
-    with pytest.raises(ValueError, match="expected a MATLAB file"):
+    with pytest.raises(ValueError, match=r"graph\.mat: the variable g is missing"):
         read_freiburg_graph(saved(tmp_path, a_graph(), "h"))
 
 

@@ -25,8 +25,8 @@ def folder(tmp_path):
 def test_each_lesson_has_a_card_of_one_size_that_is_not_empty(folder):
     text = cards(LESSONS, folder)
     for lesson in LESSONS:
-        assert f"![{lesson.about['card_shows']}](cards/{lesson.number}.jpeg)" in text
-        with Image.open(folder / f"{lesson.number}.jpeg") as picture:
+        assert f"![{lesson.about['card_shows']}](cards/{lesson.number}.webp)" in text
+        with Image.open(folder / f"{lesson.number}.webp") as picture:
             assert picture.size == SIZE
             white = sum(picture.convert("L").histogram()[250:])
         assert white < (1 - COLOURED) * SIZE[0] * SIZE[1], lesson.name

@@ -2,14 +2,17 @@
 
 import json
 import re
+from base64 import b64encode
 from copy import deepcopy
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from nao_course.films import recorded_names
 from tests.lessons.every import waived
 from tests.paths import PROJECT
-from website.figures import FILMS, add_figures, add_films
+from website.figures import COLOURS, FILMS, add_figures, add_films, save_pictures
 
 PICTURE = '<img alt="A map" style="max-width: 100%" src="data:image/png;base64,iVBORw0KGgo=">'
 SECRET = "def predict(x): return x + 1"
@@ -103,3 +106,23 @@ def test_all_recorded_films_are_shown_and_a_lost_place_is_named():
     assert shown_films | {"demo"} == {*recorded_names()}
     with pytest.raises(ValueError, match="09_pose_graphs has no cell with the line 'RelaxPanel"):
         add_films({"cells": []}, "09_pose_graphs")
+
+
+def test_a_figure_that_opens_the_lesson_is_saved_once_with_few_colours_and_its_words(tmp_path):
+    shades = np.full((32, 32, 3), 255, np.uint8)
+    shades[4:28, 4:28] = (np.arange(24)[:, None] * 24 + np.arange(24))[..., None] % 251
+    images, folder = tmp_path / "images", tmp_path / "figures"
+    images.mkdir(), folder.mkdir()
+    Image.fromarray(shades).save(images / "09_payoff.png")
+    data = b64encode((images / "09_payoff.png").read_bytes()).decode()
+    text = {"cell_type": "markdown", "source": '# A lesson\n\n![A "map"](images/09_payoff.png)\n\nText'}
+    drawn = cell(outputs=[output(f'<img alt="A map" src="data:image/png;base64,{data}">')])
+    save_pictures({"cells": [text, drawn]}, images, folder)
+    source = 'loading="lazy" src="figures/09_payoff.png.webp"'
+    assert f'<p><img alt="A &quot;map&quot;" {source}></p>' in text["source"]
+    assert drawn["outputs"][0]["data"]["text/html"] == f'<img alt="A map" {source}>'
+    assert [path.name for path in folder.iterdir()] == ["09_payoff.png.webp"]
+    with Image.open(folder / "09_payoff.png.webp") as picture:
+        saved = np.asarray(picture.convert("RGB")).astype(int)
+    assert len(np.unique(saved.reshape(-1, 3), axis=0)) <= COLOURS and (saved[:4] == 255).all()
+    assert np.abs(saved - shades).max() < 0.1 * 255

@@ -59,6 +59,15 @@ def test_no_link_is_broken_every_picture_is_described_and_no_host_is_asked(site,
     assert offences(pages) == []
 
 
+def test_the_pages_are_as_large_as_the_documents_say(site):
+    sizes = [
+        round(sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6)
+        for folder in (site["student"], site["instructor"])
+    ]
+    row = "| `make site` itself; with solutions | nothing | {} MB; {} MB |".format(*sizes)
+    assert row in (PROJECT / "docs" / "setup.md").read_text(encoding="utf-8")
+
+
 def test_a_propertys_sentence_with_a_colon_stays_a_sentence(site):
     words = "".join(read_page(site["student"] / "reference" / "sim.html").words)
     assert "Circular lines: (N, 5) as x, y and radius" in " ".join(words.split())
