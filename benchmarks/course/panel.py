@@ -2,7 +2,7 @@
 
 ``python -m benchmarks panel`` opens JupyterLab and Chromium, drives `my_nao()` with the solutions' functions by keys,
 and counts the pictures that the browser has loaded. The machine's load is stated, because browser, server and kernel
-share its cores.
+share its cores; the processor time of each for one picture depends less on the load.
 """
 
 from __future__ import annotations
@@ -10,10 +10,12 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 from rich.progress import track
 
 from benchmarks import ROOT, Result, Table, chromium
@@ -26,6 +28,7 @@ PANELS = {
 }
 SECONDS = 10.0  # of driving, with a key every 60 ms
 KEYS = 20  # single keys, each after the panel has come to rest
+PARTS = {"ipykernel": "kernel", "jupyterlab": "server", "chrom": "browser"}  # by a word of their commands
 LISTEN = """root => {
   const noted = window.noted = { keys: [], shown: [] };
   root.addEventListener('keydown', () => noted.keys.push(performance.now()), true);
@@ -35,8 +38,23 @@ LISTEN = """root => {
 }"""
 
 
+def processor_seconds() -> dict[str, float]:
+    """Return the processor time so far of the kernel, of the server and of the browser, s."""
+    seconds = dict.fromkeys(("kernel", "server", "browser"), 0.0)
+    for process in psutil.Process().children(recursive=True):
+        with suppress(psutil.NoSuchProcess):
+            command, times = " ".join(process.cmdline()), process.cpu_times()
+            part = next((part for word, part in PARTS.items() if word in command), None)
+            if part is not None:
+                seconds[part] += times.user + times.system
+    return seconds
+
+
 def measure(page: Any, panel: Any) -> dict[str, float]:
-    """Return the pictures a second of the chosen camera, and the 95 % quantile from a key to its picture in ms."""
+    """Return the pictures a second, the delay from a key to its picture, ms, and the processor time of a picture, ms.
+
+    Only pictures of the chosen camera are counted.
+    """
     panel.evaluate(LISTEN)
     panel.locator(".nao-chosen").click()
     waits = []
@@ -47,15 +65,18 @@ def measure(page: Any, panel: Any) -> dict[str, float]:
         waits.append(page.evaluate("noted.shown[0] - noted.keys[0]"))
         page.wait_for_timeout(700)
     page.evaluate("noted.shown.length = 0")
+    before = processor_seconds()
     begin = page.evaluate("performance.now()")
     while (passed := page.evaluate("performance.now()") - begin) < 1000 * SECONDS:
         page.keyboard.press("wasd"[int(passed / 2500) % 4])
         page.wait_for_timeout(60)
     shown = page.evaluate("noted.shown.length")
+    used = processor_seconds()
     return {
         "pictures a second": 1000 * shown / passed,
         "from a key to its picture, ms (median)": float(np.median(waits)),
         "from a key to its picture, ms (95 %)": float(np.quantile(waits, 0.95)),
+        **{f"{part}, ms": 1000 * (used[part] - before[part]) / max(shown, 1) for part in used},
     }
 
 

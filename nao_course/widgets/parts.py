@@ -20,8 +20,9 @@ from nao_course.plotting import Drawing
 
 StatusKind = Literal["", "alarm", "finish"]
 
-PERIOD = 0.05  # s between two frames: at 20 Hz a notebook drops no frame
+PERIOD = 0.04  # s between two frames: 25 pictures a second
 BREATH = 0.01  # s that every frame leaves for buttons and sliders
+AHEAD = 1  # pictures on their way to the page while the next one is computed
 JPEG_QUALITY = 90
 SHOWN_WIDTH = 640  # px; larger pictures are reduced before they are sent to the browser
 COMMON_CSS = """
@@ -91,13 +92,13 @@ class LabelledImage(anywidget.AnyWidget):
 
     `value` is the file and `format` its kind, such as "jpeg". A tooltip would need a description, without which
     ipywidgets shows no picture. A page shows the newest picture when it has loaded the one before, and answers with the
-    number of each picture that was given to `show`: `asked` is the latest number and `shown` the latest answer.
+    number of each picture that `show` waits for: `asked` is the latest number and `shown` the latest answer.
     """
 
     _esm = """
     export default { render({ model, el }) {
       const image = document.createElement("img");
-      let url = "", loading = false, newer = false, asked = 0;
+      let url = "", loading = false, newer = false, asked = 0, answered = 0;
       const name = () => { image.alt = model.get("alt"); };
       const show = () => {
         newer = loading;
@@ -111,7 +112,7 @@ class LabelledImage(anywidget.AnyWidget):
       };
       image.onload = image.onerror = () => {
         loading = false;
-        if (asked) model.send({ shown: asked });
+        if (asked > answered) model.send({ shown: answered = asked });
         if (newer) show();
       };
       model.on("change:alt", name);
@@ -133,15 +134,16 @@ class LabelledImage(anywidget.AnyWidget):
         self.shown = 0
         self.on_msg(self._note)
 
-    def show(self, value: bytes, alt: str) -> None:
-        """Show a picture, and let the pages answer."""
+    def show(self, value: bytes, alt: str, *, waits: bool) -> None:
+        """Show a picture; if `waits`, the pages answer, unless they show the same picture already."""
         with self.hold_sync():
-            self.value, self.alt, self.asked = value, alt, self.asked + 1
+            self.asked += waits and value != self.value
+            self.value, self.alt = value, alt
 
     @property
     def is_behind(self) -> bool:
-        """Whether a page that has answered before has not yet shown the latest picture."""
-        return 0 < self.shown < self.asked
+        """Whether a page that has answered before is more than `AHEAD` pictures behind."""
+        return 0 < self.shown < self.asked - AHEAD
 
     def _note(self, widget: Any, message: Any, buffers: Any) -> None:
         if isinstance(message, dict) and isinstance(number := message.get("shown"), int):

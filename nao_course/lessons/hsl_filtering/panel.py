@@ -124,6 +124,9 @@ class FilterPanel(FunctionPanel):
             raise ValueError(f"label must be a function that labels a picture, got {type(label).__name__}")
         self._scenes = _paired(picture, truth)
         self._known: tuple[Values, Pixels] | None = None  # labels, and where the controls stood
+        self._made: dict[
+            str, tuple[Any, Any]
+        ] = {}  # by name: parts of the display, and what each was made from
         self._seconds = 0.0
         self._examples = _examples(examples or {}, next(iter(self._scenes.values()))[0])
         self._added: list[tuple[str, float, float]] = []  # colour, hue and saturation of each pixel
@@ -306,15 +309,16 @@ class FilterPanel(FunctionPanel):
         """Show the scene, its hues, the threshold and the labels; label again only if a parameter has changed."""
         known, self._known = self._known, None
         settings, (picture, truth) = self.settings, self._scene
-        shown = in_light(picture, settings.light)
-        hue, saturation, lightness = _hsl(shown)
-        counts, mean = lightness_counts(lightness, truth), float(lightness.mean())
+        lit = values.get("scene"), settings.light
+        shown, hue, saturation, counts, mean = self._kept(
+            "light", lit, lambda: _lit(picture, truth, settings.light)
+        )
         colour, title = SHOWN[values.shown], f"Your {values.shown[0].lower()}{values.shown[1:]}"
         title = TRUTH if values.shown == TRUTH else title
         marks = {"β": settings.beta, "mean": mean}
         yield {SCENE: shown, title: _unlabelled(truth.shape)}  # shown if the code below fails
         # The histogram replaces the first one below.
-        yield {LIGHTNESS: shown, HUE: self._circle(hue, saturation)}
+        yield {LIGHTNESS: shown, HUE: self._circle(lit, hue, saturation)}
         yield legend(colour)
         yield Legend({name: look[0] for name, look in MARKS.items()})
         yield {"Your labels": ScoreTable({})}
@@ -324,7 +328,7 @@ class FilterPanel(FunctionPanel):
                 marks["threshold"] = float(student[THRESHOLD](mean, settings.beta))
                 words = f"Threshold {marks['threshold']:.0f}. {words}"
         finally:  # if the threshold failed, the histogram is shown without it
-            yield {LIGHTNESS: histogram_picture(counts, marks)}
+            yield {LIGHTNESS: self._kept(LIGHTNESS, (lit, marks), lambda: histogram_picture(counts, marks))}
         yield words
         if known is not None and _only_looks_differ(known[0], values):
             self._known = values, known[1]
@@ -335,13 +339,21 @@ class FilterPanel(FunctionPanel):
         yield {title: painted(truth) if values.shown == TRUTH else self._coloured(colour)}
         yield {"Your labels": ScoreTable(self.scores)}
 
-    def _circle(self, hue: npt.NDArray[Any], saturation: npt.NDArray[Any]) -> Pixels:
+    def _kept(self, name: str, given: Any, make: Callable[[], Any]) -> Any:
+        """Return a part of the display, and make it again only if it is made from other values than before."""
+        if self._made.get(name, (None,))[0] != given:
+            self._made[name] = given, make()
+        return self._made[name][1]
+
+    def _circle(self, lit: object, hue: npt.NDArray[Any], saturation: npt.NDArray[Any]) -> Any:
         """Draw the hues that are saturated enough, the limits, and the selected pixel."""
-        settings, chosen = self.settings, self.chosen_pixel
-        counts = hue_counts(hue, (saturation >= settings.min_saturation) & (saturation > 0))
-        arcs = {LABEL_COLOURS[1]: settings.green, LABEL_COLOURS[2]: settings.yellow}
-        return circle_picture(
-            counts, arcs, chosen[0] if chosen[1] > 0 else None, [each[1] for each in self._added]
+        (chosen, colourful, _), least = self.chosen_pixel, self.settings.min_saturation
+        arcs = {LABEL_COLOURS[1]: self.settings.green, LABEL_COLOURS[2]: self.settings.yellow}
+        marks = arcs, chosen if colourful > 0 else None, [each[1] for each in self._added]
+        return self._kept(
+            HUE,
+            (lit, least, marks),
+            lambda: circle_picture(hue_counts(hue, (saturation >= least) & (saturation > 0)), *marks),
         )
 
     def _say_pixel(self) -> str:
@@ -372,6 +384,13 @@ def _only_looks_differ(before: Values, now: Values) -> bool:
     looks = ("shown", "pixel")
     same = all(before[name] == value for name, value in now.items() if name not in looks)
     return same and any(before[name] != now[name] for name in looks)
+
+
+def _lit(picture: Pixels, truth: Pixels, light: float) -> tuple[Any, ...]:
+    """Return a picture in a light, its hues and saturations (H, W), its lightness counts and its mean lightness."""
+    shown = in_light(picture, light)
+    hue, saturation, lightness = _hsl(shown)
+    return shown, hue, saturation, lightness_counts(lightness, truth), float(lightness.mean())
 
 
 def _hsl(picture: Pixels) -> tuple[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]]:

@@ -9,9 +9,8 @@ from collections.abc import Callable, Iterator
 from nao_course.slam import Motion
 from nao_course.widgets.control_panel.cockpit import Cockpit, small_steps
 from nao_course.widgets.control_panel.waiting import WaitingMotions, in_words
-from nao_course.widgets.parts import BREATH
+from nao_course.widgets.parts import BREATH, PERIOD
 
-PERIOD = 0.04  # s between two steps of a drive: 25 pictures a second
 PATIENCE = 1.0  # s that a drive waits until a page has shown its picture; the page may be closed
 
 
@@ -20,7 +19,7 @@ class MotionRunner:
 
     `by_itself` returns the next motion while the robot drives by itself, or None. `refresh` takes new pictures and
     shows everything after each small step; `show_status` is called when only the message has changed. The next step
-    waits while `is_behind`, which says whether a page has not yet shown the latest pictures; `give_up` ends this.
+    waits while `is_behind`, which says whether a page is more than one picture behind the robot; `give_up` ends this.
     """
 
     def __init__(
@@ -117,7 +116,7 @@ class MotionRunner:
             upcoming = self._waiting.take()
 
     async def _until_shown(self) -> None:
-        """Wait until the pages show the latest pictures, so that they do not fall behind the robot."""
+        """Wait until at most one picture is on its way to the pages, so that they do not fall behind the robot."""
         end = time.perf_counter() + PATIENCE
         while self._is_behind():
             if self._stopping or time.perf_counter() > end:

@@ -69,15 +69,15 @@ class Screen:
         self.show()
 
     def show(self) -> None:
-        """Show the latest pictures, the map and the status."""
+        """Show the latest pictures, the map and the status, the small picture last: it must still be taken."""
         if self._controls.view is not None:
             self._controls.view.description = VIEWS[self._own.view]
-        for camera in CAMERAS:
-            if not self._own.hides(camera, self._camera):
-                self._cockpit.glance(camera)
-            self._show_picture(camera)
+        self._show_picture(self._camera)
         self._show_map()
         self.show_status()
+        for camera in CAMERAS:
+            if camera != self._camera:
+                self._show_picture(camera)
 
     def show_status(self) -> None:
         """Show the numbers, the messages of the drive and of the student's functions, and the facts."""
@@ -141,16 +141,19 @@ class Screen:
         return self._own.shown(camera, self._camera, self._cockpit.pictures)
 
     def _show_picture(self, camera: str) -> None:
+        if not self._own.hides(camera, self._camera):
+            self._cockpit.glance(camera)
         image, caption = self._controls.images[camera], self._controls.captions[camera]
         pixels, whose = self._own.live(camera, self._camera, self._cockpit.pictures)
-        image.show(jpeg(pixels), f"Live picture: {whose or f'{camera} camera'}")
+        alt = f"Live picture: {whose or f'{camera} camera'}"
+        image.show(jpeg(pixels), alt, waits=camera == self._camera)
         width, height = size = self._cockpit.pictures[camera].view.size
         live = "live" if size == LIVE_SIZE else f"{width} × {height}"
         _show(caption, f"<b>{html.escape((whose or f'{camera} camera').capitalize())}</b>, {live}")
 
     def is_behind(self) -> bool:
-        """Return whether a page has not yet shown the latest pictures."""
-        return any(image.is_behind for image in self._controls.images.values())
+        """Return whether a page is more than one picture of the chosen camera behind."""
+        return bool(self._controls.images[self._camera].is_behind)
 
     def give_up(self) -> None:
         """Stop waiting for a page that does not answer, until one does."""

@@ -10,6 +10,7 @@ import pytest
 
 from nao_course.lessons.hsl_filtering import FilterPanel, in_light
 from nao_course.lessons.hsl_filtering import instruments as drawn
+from nao_course.lessons.hsl_filtering import panel as panel_module
 from nao_course.lessons.hsl_filtering.light import BINS, MARKS
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
@@ -152,6 +153,29 @@ def test_in_another_light_the_student_gets_another_picture_and_histogram_and_thr
     assert mean() == pytest.approx(bright / 2, abs=1.5)
     assert f"Threshold {mean() + 12:.0f}." in panel.summary()
     assert not np.array_equal(decoded(panel._small_row.places[0].image), before)
+
+
+def test_a_slider_makes_only_those_parts_again_that_depend_on_it(rng, monkeypatch):
+    panel, made = make(rng, threshold=lambda mean, beta: beta), []
+    for name in ("lightness_counts", "histogram_picture", "circle_picture"):
+        do = getattr(panel_module, name)
+        monkeypatch.setattr(
+            panel_module, name, lambda *given, name=name, do=do: made.append(name) or do(*given)
+        )
+    for setting, again in (
+        ({"green": (90.0, 150.0)}, {"circle_picture"}),
+        ({"beta": 60.0}, {"histogram_picture"}),
+        ({"min_saturation": 0.4}, {"circle_picture"}),
+        ({"pixel": (3, 4)}, {"circle_picture"}),
+        ({"light": 0.5}, {"lightness_counts", "histogram_picture", "circle_picture"}),
+        ({"light": 0.5}, set()),
+    ):
+        made.clear()
+        panel.set(**setting)
+        assert set(made) == again, setting
+    kept, panel._made = dict(panel.shown.pictures), {}
+    panel.set()
+    assert all(np.array_equal(kept[title], pixels) for title, pixels in panel.shown.pictures.items())
 
 
 def test_a_histogram_stands_upright_over_its_lightnesses_and_a_hue_is_on_the_circle_where_its_angle_says():
