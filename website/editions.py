@@ -92,6 +92,7 @@ EDITIONS = {
                 "real_data",
                 "pictures",
                 "dependencies",
+                "performance",
             ),
             "**With all solutions: for instructors only.** Begin with [the guide](docs/teach_the_course.md).",
         ),

@@ -18,6 +18,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import nbformat
 from jupyter_client.manager import start_new_kernel
@@ -31,6 +32,11 @@ GRADED = ("01_hsl_filtering", "07_ekf_slam", "11_slam_on_the_field")
 ROUNDS = 3
 MOST_CELLS = 12  # in which a lesson's first figure is looked for
 SECONDS = 300.0  # for a cell
+DRIVE = """from nao_course.student import my_nao
+panel = my_nao()
+display(panel)
+panel.forward()
+panel.back()"""
 
 
 def command_seconds(root: Path, *words: str) -> float:
@@ -71,11 +77,7 @@ def kernel_costs(root: Path, lesson: str) -> dict[str, float]:
     """Return the seconds of the set-up cell and up to the first figure, and the kernel's memory in MB after each."""
     cells = nbformat.read(root / "notebooks" / f"{lesson}.ipynb", as_version=4).cells
     sources = [cell.source for cell in cells if cell.cell_type == "code"][:MOST_CELLS]
-    manager, client = start_new_kernel(
-        env=os.environ | {"PYTHONPATH": str(root)}, cwd=str(root / "notebooks")
-    )
-    try:
-        pid = manager.provisioner.process.pid  # type: ignore[union-attr]
+    with kernel(root, "notebooks") as (client, pid):
         start, found, outputs = _seconds(pid), dict[str, float](), list[str]()
         for number, source in enumerate(sources):
             reply = client.execute_interactive(
@@ -89,6 +91,23 @@ def kernel_costs(root: Path, lesson: str) -> dict[str, float]:
             if drawn:
                 return found | {"to the first figure, s": _seconds(pid) - start}
         return found
+
+
+def driven_memory(root: Path) -> float:
+    """Return the memory in MB of a kernel after a drive with all stages, which run the solutions."""
+    with kernel(root, "solutions") as (client, pid):
+        reply = client.execute_interactive(DRIVE, timeout=SECONDS, output_hook=lambda message: None)
+        if reply["content"]["status"] != "ok":
+            raise RuntimeError(f"a drive of {root} fails: {reply['content']['evalue']}")
+        return _memory(pid)
+
+
+@contextmanager
+def kernel(root: Path, folder: str) -> Iterator[tuple[Any, int]]:
+    """Start a kernel in a folder of a build; yield its client and its process's number."""
+    manager, client = start_new_kernel(env=os.environ | {"PYTHONPATH": str(root)}, cwd=str(root / folder))
+    try:
+        yield client, manager.provisioner.process.pid  # type: ignore[union-attr]
     finally:
         client.stop_channels()
         manager.shutdown_kernel(now=True)
@@ -114,6 +133,7 @@ def measure(root: Path) -> dict[str, float]:
         found[f"grade one notebook of lesson {lesson[:2]}, s"] = first_result_seconds(root, lesson)
     for lesson in LESSONS:
         found |= {f"{lesson[:2]} {what}": value for what, value in kernel_costs(root, lesson).items()}
+    found["memory after a drive with all stages, MB"] = driven_memory(root)
     return found
 
 
