@@ -29,7 +29,7 @@ def cards(lessons: Sequence[Lesson], folder: Path) -> str:
         if lesson.picture:
             figure = folder.parent / "lessons" / lesson.figure
             name = f"{lesson.number}.webp"
-            _shrunk(figure, lesson.about["card"]).save(folder / name, quality=82)
+            _shrunk(figure, lesson.about["card"]).save(folder / name, quality=75)
             picture = f"![{lesson.about['card_shows']}]({folder.name}/{name})\n\n"
         title = f"[{lesson.number} {lesson.title}](lessons/{lesson.name}.ipynb)"
         text = f"{_without_opening(lesson.goal)} *{lesson.minutes + lesson.later} minutes*"

@@ -26,7 +26,7 @@ _AROUND = r'<span class="nao-around" style="clip-path: polygon\([a-z0-9.,% ]+\)"
 _PICTURE = re.compile(rf'<div class="nao-photos">{_IMAGE}{_AROUND}</div>|{_IMAGE}')
 _DATA = re.compile(r'src="data:image/(png|jpeg);base64,([A-Za-z0-9+/=]+)"')
 _OPENING = re.compile(r"^!\[([^]]+)\]\(images/([\w.]+\.(?:png|jpeg))\)$", re.MULTILINE)
-PHOTO_QUALITY = 75  # of 100: a photograph of 320 x 240 pixels is not to be told apart from the notebook's
+PHOTO_QUALITY = 72  # of 100: a photograph of 320 x 240 pixels cannot be distinguished from the notebook's
 COLOURS = (
     64  # of a drawing: each of its 256 colours changes by less than a tenth of the range, and most by nothing
 )
