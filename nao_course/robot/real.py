@@ -26,11 +26,8 @@ MODELS = MappingProxyType({"V4": NAO_V4, "V5": replace(NAO_V4, name="NAO V5"), "
 LONGEST_WALK, LONGEST_TURN = 2.0, 2 * np.pi  # m and rad of one command
 # m and rad of one command on the wire: after it the robot stands, also when the laptop has vanished
 PART, TURN_PART = 0.3, float(np.radians(60))
-SLOWEST_WALK, SLOWEST_TURN, SETTLING = (
-    0.02,
-    0.1,
-    5.0,
-)  # m/s, rad/s and s: a motion that takes longer is stopped
+SLOWEST_WALK, SLOWEST_TURN = 0.02, 0.1  # m/s and rad/s
+SETTLING = 5.0  # s beside the time at these speeds, after which a motion is stopped
 POLL, FALL_POLL = 0.02, 0.2  # s after which a motion, and the sensor of falls, is asked again
 HEAD_SPEED = 0.2  # fraction of the joints' largest speed
 HEAD_SECONDS, HEAD_CLOSE = 4.0, float(np.radians(1.5))
