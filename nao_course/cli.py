@@ -283,11 +283,13 @@ def serve(
         from nao_course.sim import Field, SimulatedNao
 
         nao = SimulatedNao(Field() if field is None else Field.from_toml(field), rng=seed)
-        with served(EmulatedNao(nao), port, host) as address:
+        emulated = EmulatedNao(nao)
+        with served(emulated, port, host) as address, suppress(KeyboardInterrupt):
             _say(f'a NAO V4 listens at {address}: RealNao("{address}", model="V4")')
-            _say("Press Ctrl-C to end it.")
-            with suppress(KeyboardInterrupt):
-                Event().wait()
+            _say(f"Press Ctrl-C to end it. To practise, {emulated.practise('')}.")
+            for line in sys.stdin:
+                _say(emulated.practise(line))
+            Event().wait()  # without a terminal
 
 
 def _notebooks() -> Path:

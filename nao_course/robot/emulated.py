@@ -19,6 +19,7 @@ WALK_SPEED, TURN_SPEED = 0.12, 0.5  # m/s and rad/s of a NAO that walks safely
 STEP, TURN_STEP = 0.01, float(np.radians(2))  # m and rad: a walk can be stopped after each of them
 SUBSCRIBERS = 8  # subscriptions that the robot's cameras have at a time
 JOINTS = ("HeadYaw", "HeadPitch", "LKneePitch", "RKneePitch", "LAnklePitch", "RAnklePitch")
+OVERHEATED = 80.0  # degrees Celsius
 SENSED_TILT = float(np.radians(0.3))  # rad: standard deviation of the tilt that the inertial sensor measures
 
 
@@ -84,6 +85,20 @@ class EmulatedNao:
         matrix[:3, :3] = rotation_3d(0.0, pitch, roll) @ view.rotation
         matrix[:3, 3] = view.position
         return matrix
+
+    def practise(self, line: str) -> str:
+        """Let something happen to the robot that happens to real ones, and return what has happened, in words."""
+        word, *rest = line.split() or [""]
+        if word == "fall" and not rest:
+            self.fall()
+            return "the robot lies on the ground"
+        if word == "battery" and len(rest) == 1 and rest[0].isdecimal() and int(rest[0]) <= 100:
+            self.battery = int(rest[0]) / 100
+            return f"the battery has {rest[0]} %"
+        if word == "heat" and len(rest) == 1 and rest[0] in JOINTS:
+            self.temperatures[rest[0]] = OVERHEATED
+            return f"{rest[0]} has {OVERHEATED:.0f} °C"
+        return f"write  fall,  battery 10  or  heat {JOINTS[0]}  (joints: {', '.join(JOINTS)})"
 
 
 class _Motion:

@@ -125,6 +125,33 @@ def test_a_server_that_ends_in_mid_walk_is_named_and_the_same_robot_object_goes_
         nao.close()
 
 
+def test_a_reply_that_never_comes_is_named_and_the_robot_is_stopped(monkeypatch):
+    with connected(seconds=0.3) as (robot, nao):
+        late = threading.Event()
+        robot.move = lambda motion: late.wait(20)
+        robot.look = lambda camera, size: late.wait(20)
+        stopped = []
+        robot.stopped.set = lambda: stopped.append(1)
+        with pytest.raises(RobotError, match="getImageRemote did not answer in time"):
+            nao.take_picture()
+        monkeypatch.setattr(module, "SETTLING", -4.9)  # of a walk of 0.1 m, which has 5 s
+        with pytest.raises(RobotError, match="the robot did not arrive within"):
+            nao.walk(0.1)
+        assert stopped
+        late.set()
+
+
+def test_what_happens_to_real_robots_can_be_practised():
+    with connected() as (robot, nao):
+        assert "write  fall" in robot.practise("") and "write  fall" in robot.practise("battery 101")
+        assert robot.practise("battery 10") == "the battery has 10 %"
+        assert robot.practise("heat HeadYaw") == "HeadYaw has 80 °C"
+        assert robot.practise("fall") == "the robot lies on the ground"
+        assert len(nao.warnings()) == 3
+        with pytest.raises(RobotError, match="has fallen"):
+            nao.walk(0.1)
+
+
 def test_every_wrong_reply_is_refused(rng):
     class Connection:
         numbers = naoqi.Naoqi.numbers
