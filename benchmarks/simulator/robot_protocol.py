@@ -104,6 +104,6 @@ def measure(kind: str) -> dict[str, dict[str, float]]:
 
 
 def main() -> Result:
-    """Measure a robot that draws its pictures, and one that has them stored."""
+    """Measure with stored pictures, and with pictures that are drawn."""
     found = measure("stored") | measure("drawn")
     return Result("robot_protocol", found, (Table.of("A robot behind libqi on this machine", found),))

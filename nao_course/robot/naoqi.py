@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Sequence
 from typing import Any
 
@@ -52,6 +53,7 @@ class Naoqi:
         self.address, self.seconds = address, seconds
         self._session: Any = None
         self._services: dict[str, Any] = {}
+        self._connecting = threading.Lock()  # the heartbeat's thread calls, too
         self._connect()
 
     def call(self, service: str, method: str, *args: Any, seconds: float | None = None) -> Any:
@@ -108,8 +110,9 @@ class Naoqi:
         self._session, self._services = session, {}
 
     def _service(self, name: str) -> Any:
-        if not self.is_connected:
-            self._connect()
+        with self._connecting:
+            if not self.is_connected:
+                self._connect()
         if name not in self._services:
             found = self._session.service(name, _async=True)
             self._services[name] = self.wait(found, f"the service {name}")

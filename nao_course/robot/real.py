@@ -13,10 +13,20 @@ from typing import Any
 from uuid import uuid4
 
 import numpy as np
+import numpy.typing as npt
 
 from nao_course.geometry import Pose, finite, yaw_pitch_roll
 from nao_course.robot.interface import RobotError
-from nao_course.robot.naoqi import CAMERAS, RESOLUTIONS, RGB, Naoqi, as_list, pixels_of, transform_of
+from nao_course.robot.naoqi import (
+    CAMERAS,
+    RESOLUTIONS,
+    RGB,
+    ConnectionLostError,
+    Naoqi,
+    as_list,
+    pixels_of,
+    transform_of,
+)
 from nao_course.robot.recording import Recorder
 from nao_course.sim import NAO_V4, NAO_V6, CameraView, Field, NaoModel, Picture
 from nao_course.slam import Motion
@@ -98,9 +108,14 @@ class RealNao:
         self._leaving = threading.Event()
         self._heart: threading.Thread | None = None
         self._awake = False
-        self._origin = self._robot_position()
         self._odometry = [Pose()]
-        self.recorder = None if record is None else Recorder(record, self)
+        self.recorder: Recorder | None = None
+        try:
+            self._origin = self._robot_position()
+            self.recorder = None if record is None else Recorder(record, self)
+        except BaseException:
+            self._naoqi.close()
+            raise
 
     def __repr__(self) -> str:
         """Show the model, the address and the odometry."""
@@ -135,6 +150,8 @@ class RealNao:
                 "the robot cannot stand up: put it on its feet, with room around it, and try again"
             )
         self._refuse_fallen()
+        # A robot that was switched off in between begins its odometry anew.
+        self._origin = self._robot_position() @ self.odometry.inverse()
         self._awake = True
         if self._heart is None:
             self._heart = threading.Thread(target=self._beat, name="nao_course heartbeat", daemon=True)
@@ -232,8 +249,7 @@ class RealNao:
         RobotError
             If the robot is not awake, has fallen, does not arrive, or already moves.
         """
-        if not self._awake:
-            raise RobotError("the robot sleeps: call wake_up(), with its feet on the ground")
+        self._refuse_asleep()
         if not self._moving.acquire(blocking=False):
             raise RobotError("the robot already moves: wait, or call stop()")
         try:
@@ -245,6 +261,7 @@ class RealNao:
         except BaseException:
             with suppress(RobotError):
                 self.stop()
+                self._odometry.append(self._here())  # what was run before the error
             raise
         finally:
             self._moving.release()
@@ -255,7 +272,7 @@ class RealNao:
     def look(self, yaw: float = 0.0, pitch: float = 0.0) -> None:
         """Turn the head, and return when it is there; positive to the left and down, rad."""
         target = self.model.check_head(yaw, pitch)
-        self._call("ALMotion", "setStiffnesses", "Head", 1.0)
+        self._refuse_asleep()
         self._call("ALMotion", "setAngles", ["HeadYaw", "HeadPitch"], as_list(target), HEAD_SPEED)
         end = time.monotonic() + HEAD_SECONDS
         while np.abs(np.subtract(self.head, target)).max() > HEAD_CLOSE:
@@ -279,9 +296,13 @@ class RealNao:
         walking : bool
             Has no effect: a real picture is blurred if the robot walks.
         """
-        frame = _camera_frame(self.model, camera)
-        handle = self._subscription(camera, size)
-        pixels = pixels_of(self._call("ALVideoDevice", "getImageRemote", handle), size)
+        frame, size = _camera_frame(self.model, camera), (int(size[0]), int(size[1]))
+        try:
+            pixels = self._pixels(camera, size)
+        except ConnectionLostError:
+            raise
+        except RobotError:  # a robot that was switched off in between does not know the subscription
+            pixels = self._pixels(camera, size)
         view = self._measured_view(camera, size, self._call("ALMotion", "getTransform", *frame))
         picture = Picture(pixels, view, camera)
         if self.recorder is not None:
@@ -322,6 +343,10 @@ class RealNao:
             raise RobotError("the robot refuses to walk: is it awake, and are both feet on the ground?")
         return not self._stopping.is_set()
 
+    def _refuse_asleep(self) -> None:
+        if not self._awake:
+            raise RobotError("the robot sleeps: call wake_up(), with its feet on the ground")
+
     def _refuse_fallen(self) -> None:
         if self._call("ALMemory", "getData", FALLEN):
             self._awake = False
@@ -348,12 +373,21 @@ class RealNao:
         upright = self.model.view(camera, size=size)
         return replace(upright, height=z, yaw=yaw, pitch=pitch, roll=roll, offset=(x, y))
 
+    def _pixels(self, camera: str, size: tuple[int, int]) -> npt.NDArray[np.uint8]:
+        """Return a camera's picture; if it cannot be had, the camera is subscribed to again next time."""
+        handle = self._subscription(camera, size)
+        try:
+            return pixels_of(self._call("ALVideoDevice", "getImageRemote", handle), size)
+        except RobotError:
+            del self._subscriptions[camera, size]
+            raise
+
     def _subscription(self, camera: str, size: tuple[int, int]) -> str:
         """Return the handle of a camera, which the robot gives to a few programs only."""
-        if tuple(size) not in RESOLUTIONS:
+        if size not in RESOLUTIONS:
             sizes = ", ".join(f"{width} x {height}" for width, height in RESOLUTIONS)
             raise RobotError(f"size must be one of {sizes}, got {size}")
-        key = (camera, (int(size[0]), int(size[1])))
+        key = (camera, size)
         if key not in self._subscriptions:
             self._subscriptions[key] = self._subscribe(*key) or self._subscribe_anew(*key)
         return self._subscriptions[key]

@@ -16,8 +16,9 @@ from tests.robot.emulated import connected, emulated, free_port
 
 def test_nothing_moves_before_it_is_awake_and_long_commands_are_refused_and_sent_in_parts():
     with connected(awake=False) as (robot, nao):
-        with pytest.raises(RobotError, match="the robot sleeps: call wake_up"):
-            nao.walk(0.1)
+        for command in (nao.walk, nao.turn, nao.look):
+            with pytest.raises(RobotError, match="the robot sleeps: call wake_up"):
+                command(0.1)
         assert robot.nao.odometry == Pose() and robot.life == "solitary"
         nao.wake_up()
         assert robot.life == "disabled"
@@ -64,6 +65,7 @@ def test_the_end_of_the_block_an_error_and_a_fall_stop_the_robot():
         with pytest.raises(RobotError, match="has fallen, and its motors are released"):
             nao.walk(2.0)  # of 17 s
         assert not robot.awake
+        assert nao.odometry.x == pytest.approx(robot.nao.odometry.x)
         assert nao.warnings() == ("it has fallen: put it on its feet and call wake_up()",)
         nao.wake_up()
         robot.battery, robot.temperatures["HeadYaw"] = 0.1, 80.0
@@ -111,6 +113,8 @@ def test_a_server_that_ends_in_mid_walk_is_named_and_the_same_robot_object_goes_
     robot, _ = first.__enter__()
     nao = RealNao(f"tcp://127.0.0.1:{port}", model="V4")
     nao.wake_up()
+    nao.walk(0.2)
+    nao.take_picture()
     robot.pace = 1.0
     ending = threading.Timer(0.2, lambda: first.__exit__(None, None, None))
     ending.start()
@@ -119,8 +123,10 @@ def test_a_server_that_ends_in_mid_walk_is_named_and_the_same_robot_object_goes_
     ending.join()
     with emulated(port=port) as (robot, _):
         nao.wake_up()
+        before = nao.odometry.x
         assert nao.walk(0.1) == Motion(0.1, 0.0)
         assert robot.nao.odometry.x == pytest.approx(0.1)
+        assert nao.odometry.x == pytest.approx(before + 0.1)
         assert nao.take_picture().pixels.shape == (240, 320, 3)
         nao.close()
 
