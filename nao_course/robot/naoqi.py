@@ -119,7 +119,7 @@ class Naoqi:
         return self._services[name]
 
     def _described(self, error: RuntimeError, what: str) -> RobotError:
-        said = str(error).strip()
+        said = str(error).strip().split("\n")[0]  # below it are the lines of the service that failed
         if "timeout" in said.lower():
             return ConnectionLostError(f"{what} did not answer in time. Is the robot still in the network?")
         if not self.is_connected or any(each in said for each in _LOST):
