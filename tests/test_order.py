@@ -58,7 +58,7 @@ def test_a_test_that_hangs_fails_once_and_the_others_run(tmp_path):
 def test_a_changed_file_is_tested_by_the_file_or_the_folder_that_mirrors_it():
     for path, mirror in (
         ("nao_course/sim/nao.py", "tests/sim/test_nao.py"),
-        ("nao_course/widgets/control_panel/screen.py", "tests/widgets/control_panel"),
+        ("nao_course/widgets/control_panel/student_view.py", "tests/widgets/control_panel"),
         ("deploy/hub/names.py", "tests/deploy"),
         ("solutions/exercises/07_ekf_slam.py", "tests/lessons/ekf_slam"),
     ):

@@ -89,6 +89,7 @@ EDITIONS = {
                 "run_a_hub",
                 "design",
                 "own_field",
+                "real_robot",
                 "real_data",
                 "pictures",
                 "dependencies",

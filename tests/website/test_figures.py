@@ -104,7 +104,7 @@ def test_films_stand_where_the_lesson_needs_them(lesson, folder):
 def test_all_recorded_films_are_shown_and_a_lost_place_is_named():
     shown_films = {name for places in FILMS.values() for name in places.values()}
     assert shown_films | {"demo"} == {*recorded_names()}
-    with pytest.raises(ValueError, match="09_pose_graphs has no cell with the line 'RelaxPanel"):
+    with pytest.raises(ValueError, match="09_pose_graphs has no cell with the line 'tools.RelaxPanel"):
         add_films({"cells": []}, "09_pose_graphs")
 
 
