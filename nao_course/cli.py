@@ -290,6 +290,7 @@ def serve(
             for line in sys.stdin:
                 _say(emulated.practise(line))
             Event().wait()  # without a terminal
+        os._exit(0)  # all is closed, and one end of Python in ten is an abort by libqi's own threads
 
 
 def _notebooks() -> Path:

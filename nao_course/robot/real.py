@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import atexit
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType, TracebackType
+from types import TracebackType
 from typing import Any
 from uuid import uuid4
 
@@ -16,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import Pose, finite, yaw_pitch_roll
-from nao_course.robot.interface import RobotError
+from nao_course.robot.interface import MODELS, PlacedNao, RobotError
 from nao_course.robot.naoqi import (
     CAMERAS,
     RESOLUTIONS,
@@ -28,11 +29,9 @@ from nao_course.robot.naoqi import (
     transform_of,
 )
 from nao_course.robot.recording import Recorder
-from nao_course.sim import NAO_V4, NAO_V6, CameraView, Field, NaoModel, Picture
+from nao_course.sim import CameraView, Field, NaoModel, Picture
 from nao_course.slam import Motion
 
-# V5 has the cameras and lengths of V4 by the maker's documentation.
-MODELS = MappingProxyType({"V4": NAO_V4, "V5": replace(NAO_V4, name="NAO V5"), "V6": NAO_V6})
 LONGEST_WALK, LONGEST_TURN = 2.0, 2 * np.pi  # m and rad of one command
 # m and rad of one command on the wire: after it the robot stands, also when the laptop has vanished
 PART, TURN_PART = 0.3, float(np.radians(60))
@@ -53,7 +52,7 @@ LOW_BATTERY, HOT = 0.2, 70.0  # fraction, degrees Celsius
 BEAT = 0.5  # s between two signs of life of the program that drives
 
 
-class RealNao:
+class RealNao(PlacedNao):
     """A NAO of the generations V4 to V6 in the same network.
 
     Nothing moves before `wake_up`. Use it in a ``with`` block: at its end, also after an error, the robot stops. Every
@@ -68,6 +67,8 @@ class RealNao:
         Field it is on; by default half a field by the rules of 2012.
     model : "V4", "V5" or "V6"
         Generation of the robot.
+    start : Pose, optional
+        Where it was put, in the world frame; by default on the halfway line, facing the goal.
     record : str or Path, optional
         Folder for a recording of the drive; see `Recorder`.
     seconds : float
@@ -92,14 +93,14 @@ class RealNao:
         field: Field | None = None,
         *,
         model: str = "V6",
+        start: Pose | None = None,
         record: str | Path | None = None,
         seconds: float = 3.0,
     ) -> None:
         """Connect to the robot, without moving it."""
         if model not in MODELS:
             raise RobotError(f"model must be one of {', '.join(MODELS)}, got {model!r}")
-        self.field: Field = field or Field()
-        self.model: NaoModel = MODELS[model]
+        super().__init__(field, MODELS[model], start)
         self._naoqi = Naoqi(address, seconds)
         self._identity = f"{OWN_NAME}_{uuid4().hex[:8]}"
         self._subscriptions: dict[tuple[str, tuple[int, int]], str] = {}
@@ -108,14 +109,15 @@ class RealNao:
         self._leaving = threading.Event()
         self._heart: threading.Thread | None = None
         self._awake = False
-        self._odometry = [Pose()]
         self.recorder: Recorder | None = None
         try:
             self._origin = self._robot_position()
-            self.recorder = None if record is None else Recorder(record, self)
+            if record is not None:
+                self.record(record)
         except BaseException:
             self._naoqi.close()
             raise
+        atexit.register(self.close)  # a notebook's kernel that ends stops the robot
 
     def __repr__(self) -> str:
         """Show the model, the address and the odometry."""
@@ -165,6 +167,7 @@ class RealNao:
 
     def close(self) -> None:
         """Stop the robot, give the cameras back and close the connection."""
+        atexit.unregister(self.close)
         with suppress(RobotError):
             self.stop()
         self._leaving.set()
@@ -176,8 +179,13 @@ class RealNao:
         self._subscriptions = {}
         self._awake = False
         self._naoqi.close()
+        self.record(None)
+
+    def record(self, folder: str | Path | None) -> None:
+        """Record the drive into a new folder from now on; None ends the recording. See `Recorder`."""
         if self.recorder is not None:
             self.recorder.close()
+        self.recorder = None if folder is None else Recorder(folder, self)
 
     def warnings(self) -> tuple[str, ...]:
         """Return what should be known before the next drive: a low battery, hot joints, a fall."""
@@ -206,26 +214,10 @@ class RealNao:
         yaw, pitch = self._naoqi.numbers(reply, 2, "ALMotion.getAngles")
         return float(yaw), float(pitch)
 
-    @property
-    def odometry(self) -> Pose:
-        """Pose by the robot's own odometry after the last motion, from (0, 0, 0) at the start."""
-        return self._odometry[-1]
-
-    @property
-    def odometry_path(self) -> tuple[Pose, ...]:
-        """Odometry at the start and after each motion."""
-        return tuple(self._odometry)
-
     def view(self, camera: str = "bottom", size: tuple[int, int] = (320, 240)) -> CameraView:
         """Return a camera's view by the robot's own sensors, with the body tilt that they measure."""
         reply = self._call("ALMotion", "getTransform", *_camera_frame(self.model, camera))
         return self._measured_view(camera, size, reply)
-
-    def upright_view(self, camera: str = "bottom", size: tuple[int, int] = (320, 240)) -> CameraView:
-        """Return a camera's view for an upright body, as the simulated robot assumes it."""
-        low, high = np.array([self.model.yaw_limits, self.model.pitch_limits]).T
-        yaw, pitch = np.clip(self.head, low, high)
-        return self.model.view(camera, float(yaw), float(pitch), size=size)
 
     # --- commands ---
 
@@ -233,13 +225,13 @@ class RealNao:
         """Walk ahead by at most 2 m, or backwards for a negative distance; see `move`."""
         if abs(finite("distance (m)", distance)) > LONGEST_WALK:
             raise ValueError(f"distance must be within -2..2 m in one command, got {distance}")
-        return self.move(Motion(distance, 0.0))
+        return super().walk(distance)
 
     def turn(self, angle: float) -> Motion:
         """Turn on the spot, counterclockwise, by at most one turn in rad; see `move`."""
         if abs(finite("angle (rad)", angle)) > LONGEST_TURN + 1e-9:
             raise ValueError(f"angle must be within one turn, -6.283..6.283 rad, got {angle}")
-        return self.move(Motion(0.0, angle))
+        return super().turn(angle)
 
     def move(self, motion: Motion) -> Motion:
         """Run a motion and return it; if it was stopped, return what the odometry says that was run.

@@ -18,13 +18,13 @@ import cv2
 import numpy as np
 
 from nao_course.geometry import Pose
-from nao_course.robot.interface import Robot, RobotError
-from nao_course.sim import NAO_V4, NAO_V6, CameraView, Field, NaoModel, Picture
+from nao_course.robot.interface import MODELS, PlacedNao, Robot, RobotError
+from nao_course.sim import NAO_V4, CameraView, Field, Picture
 from nao_course.slam import Motion
 
 VERSION = 1
 HEADER, EVENTS = "robot.json", "events.jsonl"
-_MODELS = {model.name: model for model in (NAO_V4, NAO_V6)}
+_MODELS = {model.name: model for model in MODELS.values()}
 _LARGEST_LINE = 10_000  # letters: an event is a picture's name, a view and a few numbers
 
 
@@ -52,7 +52,7 @@ class Recorder:
             raise RobotError(
                 f"{self.folder} is not empty: give a new folder, nothing recorded is overwritten"
             )
-        head = list(map(float, robot.head))
+        head, self._origin = list(map(float, robot.head)), robot.odometry
         header = {"version": VERSION, "model": robot.model.name, "head": head}
         (self.folder / HEADER).write_text(json.dumps(header), encoding="utf-8")
         self._events = (self.folder / EVENTS).open("a", encoding="utf-8")
@@ -70,8 +70,8 @@ class Recorder:
         self._write("picture", file=name, camera=picture.camera, head=list(head), view=asdict(picture.view))
 
     def motion(self, motion: Motion, odometry: Pose) -> None:
-        """Write a motion, and the odometry after it."""
-        after = [odometry.x, odometry.y, odometry.theta]
+        """Write a motion, and the odometry after it, from (0, 0, 0) where the recording began."""
+        after = (self._origin.inverse() @ odometry).as_array().tolist()
         self._write("motion", distance=motion.distance, turn=motion.turn, odometry=after)
 
     def look(self, head: tuple[float, float]) -> None:
@@ -88,7 +88,7 @@ class Recorder:
         os.fsync(self._events.fileno())
 
 
-class RecordedNao:
+class RecordedNao(PlacedNao):
     """A recorded drive as a robot: each motion is the next one of the recording, whatever is commanded.
 
     Parameters
@@ -97,6 +97,8 @@ class RecordedNao:
         Folder of a recording.
     field : Field, optional
         Field on which the robot was; by default half a field by the rules of 2012.
+    start : Pose, optional
+        Where the drive began, in the world frame; by default on the halfway line, facing the goal.
 
     Raises
     ------
@@ -105,16 +107,14 @@ class RecordedNao:
         cut by a crash is left out.
     """
 
-    def __init__(self, folder: str | Path, field: Field | None = None) -> None:
+    def __init__(self, folder: str | Path, field: Field | None = None, *, start: Pose | None = None) -> None:
         """Read the events; pictures are read when they are taken."""
         self.folder = Path(folder)
-        self.field: Field = field or Field()
         header = _header(self.folder)
-        self.model: NaoModel = _MODELS[header["model"]]
+        super().__init__(field, _MODELS[header["model"]], start)
         self._events = list(_events(self.folder))
         self._place = 0  # of the next event
         self._head = _pair(header["head"])
-        self._odometry = [Pose()]
 
     def __repr__(self) -> str:
         """Show the folder and the place in it."""
@@ -130,32 +130,12 @@ class RecordedNao:
         """Angles (yaw, pitch) of the head's joints, rad; positive to the left and down."""
         return self._head
 
-    @property
-    def odometry(self) -> Pose:
-        """Odometry after the last motion."""
-        return self._odometry[-1]
-
-    @property
-    def odometry_path(self) -> tuple[Pose, ...]:
-        """Odometry at the start and after each motion."""
-        return tuple(self._odometry)
-
     def view(self, camera: str = "bottom", size: tuple[int, int] = (320, 240)) -> CameraView:
         """Return the view of the camera's next picture, else the one of an upright body."""
         found = self._next_picture(self.model.check_camera(camera))
         if found is not None:
             return CameraView(**self._events[found]["view"]).at_size(size)
-        low, high = np.array([self.model.yaw_limits, self.model.pitch_limits]).T
-        yaw, pitch = np.clip(self._head, low, high)
-        return self.model.view(camera, float(yaw), float(pitch), size=size)
-
-    def walk(self, distance: float) -> Motion:
-        """Run the recording's next motion; see `move`."""
-        return self.move(Motion(distance))
-
-    def turn(self, angle: float) -> Motion:
-        """Run the recording's next motion; see `move`."""
-        return self.move(Motion(0.0, angle))
+        return self.upright_view(camera, size)
 
     def move(self, motion: Motion) -> Motion:
         """Run the recording's next motion and return it; raise a RobotError at the end of the recording."""

@@ -11,14 +11,16 @@ from nao_course.student.notebooks import notebooks_folder
 from nao_course.student.stages import all_stages, any_ready, readiness, split_after
 
 if TYPE_CHECKING:  # these modules take long to import, and the command line does not need them
-    from nao_course.sim import SimulatedNao, Truth
+    from nao_course.robot import Robot
+    from nao_course.sim import Truth
     from nao_course.widgets import ControlPanel
 
 SEED = 41
+SIMULATED = "only the simulator measures what it needs"
 
 
 def my_nao(
-    nao: SimulatedNao | None = None,
+    nao: Robot | None = None,
     truth: Truth | None = None,
     *,
     upto: str = "",
@@ -35,8 +37,9 @@ def my_nao(
 
     Parameters
     ----------
-    nao : SimulatedNao, optional
-        The robot; by default a robot in front of the goal, the same each time.
+    nao : Robot, optional
+        The robot: a `SimulatedNao`, a `RealNao` or a `RecordedNao`; by default a simulated one in front of the goal,
+        the same each time. What the simulator measures is left out on the other two.
     truth : Truth, optional
         Truth about this robot; without `nao` it is made automatically.
     upto : str
@@ -73,7 +76,9 @@ def my_nao(
         )
     given = {**_at_hand(names), **own}
     folder = notebooks_folder()
-    found = readiness(stages, given, folder)
+    simulated = isinstance(nao, SimulatedNao)
+    found = readiness([stage for stage in stages if simulated or not stage.simulated], given, folder)
+    missing = {} if simulated else dict.fromkeys((each.name for each in stages if each.simulated), SIMULATED)
     saved = [name for name, function in found.functions.items() if given.get(name, function) is not function]
     remarks = [
         f"{name} of this notebook does not pass its check, so the saved version is used" for name in saved
@@ -82,7 +87,7 @@ def my_nao(
     if any_ready(found, later, folder):
         remarks.append(f"this is your robot after lesson {number_of(upto)}; my_nao() runs all your lessons")
     limit = PICTURE_LIMIT if time_limit is None else time_limit
-    pipeline = Pipeline(found.stages, found.functions, nao, found.missing, limit, remarks)
+    pipeline = Pipeline(found.stages, found.functions, nao, {**found.missing, **missing}, limit, remarks)
     panel = ControlPanel(nao, truth, pipeline=pipeline)
     if found.stages:
         panel.view = "beside"  # green and yellow labels are hard to see over the picture

@@ -32,4 +32,4 @@ def test_a_served_robot_answers_falls_when_it_is_told_to_and_ends_at_ctrl_c():
             assert nao.warnings() == ("it has fallen: put it on its feet and call wake_up()",)
         server.send_signal(signal.SIGINT)
         server.communicate()
-    assert server.returncode == 0
+    assert server.returncode == 0, server.returncode

@@ -68,7 +68,10 @@ APART = (
     "instructor/reports/",
     "instructor/similarity/",
     "lab/",
-    "robot/",
+    "robot/emulated.py",
+    "robot/naoqi.py",
+    "robot/real.py",
+    "robot/recording.py",
 )
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 
 from nao_course._internal.counts import say_count
@@ -10,11 +13,12 @@ from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.lessons.beyond import exploring
 from nao_course.lessons.beyond.exploring import FREE, OCCUPIED, UNKNOWN, Cell, as_mask, as_steps, way_back
 from nao_course.lessons.beyond.planning import STEP, options
-from nao_course.sim import SimulatedNao, Truth
+from nao_course.robot import Robot
+from nao_course.sim import SimulatedNao
 from nao_course.sim.drives import NamedEkf
-from nao_course.slam import Motion, place_estimate
+from nao_course.slam import Estimate, Motion, place_estimate
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.named_landmarks import FollowedRobot
+from nao_course.widgets.control_panel.named_landmarks import FollowedRobot, new_motions, start_of
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 REACH = 3.5  # m: beyond it the range from one picture is inaccurate (lesson 04)
@@ -26,6 +30,19 @@ GO_ON = 0.9  # m: shortest way between two returns
 OFF = float(np.radians(10.0))  # a smaller turn is not made before walking
 PICTURES = "estimate"  # lesson 11's stage
 SEED = 121  # of the measurements' noise
+
+
+class Followed(NamedTuple):
+    """The pose and the landmarks in the field frame after a picture, with what was walked before it, m.
+
+    `state` is (3 + 2n,) with its `covariance`, and `pixels` are the measured landmarks in the picture.
+    """
+
+    state: FloatArray
+    covariance: FloatArray
+    walked: float
+    pixels: list[tuple[float, float]]
+    estimate: Estimate
 
 
 class Explorer:
@@ -53,21 +70,21 @@ class Explorer:
         self.grid[(seen == FREE) & self._inside] = FREE
         self._walked += walked
 
-    def next(self, slam: NamedEkf) -> Motion | None:
+    def next(self, state: FloatArray, covariance: FloatArray) -> Motion | None:
         """Return the next move: to the nearest frontier, or a return if the pose is uncertain; None if all is seen."""
-        frontier = self._frontier(slam.state[:3])
-        sigma = position_sigma(slam)
+        frontier = self._frontier(state[:3])
+        sigma = position_sigma(covariance)
         back = self.why == "to localise better"
         if back and (sigma < MOST_SIGMA or self._walked > RETURN - 0.01):
             back, self._walked = False, 0.0
         elif not back and sigma > MOST_SIGMA and self._walked > GO_ON - 0.01:
             back, self._walked = True, 0.0
         self.why = "to localise better" if back else "to the nearest frontier"
-        return self._most_certain(slam) if back and frontier is not None else frontier
+        return self._most_certain(state, covariance) if back and frontier is not None else frontier
 
-    def _most_certain(self, slam: NamedEkf) -> Motion:
-        offered = options(slam.state)
-        number = self._student.choose_move(slam.state.copy(), slam.covariance.copy(), offered)
+    def _most_certain(self, state: FloatArray, covariance: FloatArray) -> Motion:
+        offered = options(state)
+        number = self._student.choose_move(state.copy(), covariance.copy(), offered)
         if not 0 <= int(number) < len(offered):
             raise ValueError(f"choose_move must return 0 to {len(offered) - 1}, got {number!r}")
         return Motion(*offered[int(number)].control.tolist())
@@ -88,9 +105,9 @@ class Explorer:
         return _toward(pose, way[min(exploring.STRIDE, len(way) - 1)], (row, column))
 
 
-def position_sigma(slam: NamedEkf) -> float:
+def position_sigma(covariance: FloatArray) -> float:
     """Return the standard deviation of the position, m: the root of the sum of both variances."""
-    return float(np.sqrt(slam.covariance[0, 0] + slam.covariance[1, 1]))
+    return float(np.sqrt(covariance[0, 0] + covariance[1, 1]))
 
 
 def _toward(pose: FloatArray, there: Cell, goal: Cell) -> Motion:
@@ -102,27 +119,61 @@ def _toward(pose: FloatArray, there: Cell, goal: Cell) -> Motion:
     return Motion(0.0, turn) if abs(turn) > OFF else Motion(float(np.clip(np.hypot(*off), 0.1, STEP)), 0.0)
 
 
-def _explore(student: StudentCode, nao: SimulatedNao) -> StageFunction:
-    """Start at the robot's true pose, follow its commands, update with each picture, and choose the next move."""
-    start, kinds = nao.field.pose.inverse() @ Truth(nao).odometry_start, nao.field.detectable_kinds
+def _by_names(student: StudentCode, nao: SimulatedNao) -> Callable[[Frame], Followed]:
+    """Follow a simulated robot from its true pose, with landmarks that are measured by name."""
+    start, kinds = nao.field.pose.inverse() @ start_of(nao), nao.field.detectable_kinds
     slam = NamedEkf(start, student.predict, student.update_landmarks, student.add_landmark)
-    robot, explorer = FollowedRobot(slam, nao, REACH, SEED), Explorer(student)
+    robot = FollowedRobot(slam, nao, REACH, SEED)
 
-    def show(frame: Frame) -> Overlay:
+    def follow(frame: Frame) -> Followed:
         seen, walked = robot.follow(frame.picture.view)
         slam = robot.slam
-        explorer.see(slam.state[:3], nao.head[0], walked)
-        motion = explorer.next(slam)
+        return Followed(slam.state, slam.covariance, walked, seen.pixels, slam.estimate(kinds))
+
+    return follow
+
+
+def _by_pictures(nao: Robot) -> Callable[[Frame], Followed]:
+    """Follow a real robot by lesson 11's estimate, whose landmarks are taken as independent of each other."""
+    done = 0
+
+    def follow(frame: Frame) -> Followed:
+        nonlocal done
+        if PICTURES not in frame.results:
+            raise ValueError("a real robot explores by lesson 11's estimate, which is missing")
+        own = place_estimate(frame.results[PICTURES], nao.field.pose.inverse())
+        motions = new_motions(nao, done)
+        done += len(motions)
+        state = np.concatenate([own.pose.as_array(), own.landmarks.ravel()])
+        covariance = np.zeros((len(state), len(state)))
+        covariance[:3, :3] = own.covariance
+        for number, each in enumerate(own.landmark_covariances):
+            covariance[2 * number + 3 : 2 * number + 5, 2 * number + 3 : 2 * number + 5] = each
+        return Followed(state, covariance, sum(abs(each.distance) for each in motions), [], own)
+
+    return follow
+
+
+def _explore(student: StudentCode, nao: Robot) -> StageFunction:
+    """Begin where the robot was put, follow its commands, update with each picture, and choose the next move."""
+    follow = _by_names(student, nao) if isinstance(nao, SimulatedNao) else _by_pictures(nao)
+    explorer = Explorer(student)
+
+    def show(frame: Frame) -> Overlay:
+        now = follow(frame)
+        explorer.see(now.state[:3], nao.head[0], now.walked)
+        motion = explorer.next(now.state, now.covariance)
         ends = exploring.cell_centres()[explorer.frontiers]
         # With it, the map shows lesson 11's estimate, which has other landmarks.
         by_pictures = PICTURES in frame.results
-        own = f", {say_count(len(slam.known), 'landmark')} on the map, standard deviation {position_sigma(slam):.2f} m"
+        known = say_count(len(now.estimate.landmarks), "landmark")
+        own = f", {known} on the map, standard deviation {position_sigma(now.covariance):.2f} m"
         return Overlay(
             result=motion,
-            pixels=seen.pixels,
+            pixels=np.reshape(now.pixels, (-1, 2)),
             text=f"{explorer.part:.0%} seen{'' if by_pictures else own}; "
             + (explorer.why if motion else "everything is seen"),
-            estimate=None if by_pictures else place_estimate(slam.estimate(kinds), nao.field.pose),
+            estimate=None if by_pictures else place_estimate(now.estimate, nao.field.pose),
             motion=motion,
             cells=nao.field.pose.to_parent(ends) if len(ends) else ends,
             finish="" if motion else "The whole field is seen",

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from nao_course.geometry import as_points
-from nao_course.sim import SimulatedNao
+from nao_course.robot import Robot
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 FOUND_BEFORE = ("goal posts", "corners")  # stages of lessons 02 and 03 whose result is pixels (K, 2)
 
 
-def _put_on_map(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+def _put_on_map(student: StudentCode, nao: Robot) -> StageFunction:
     """Turn the pixels that the stages before have found into points of the robot frame."""
 
     def look(frame: Frame) -> Overlay:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from nao_course.geometry import Pose, wrap_angle
-from nao_course.sim import SimulatedNao, Truth
+from nao_course.robot import Robot
 from nao_course.slam import Estimate
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.named_landmarks import new_commands
+from nao_course.widgets.control_panel.named_landmarks import new_commands, start_of
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 
-def _predict(student: StudentCode, nao: SimulatedNao) -> StageFunction:
-    """Predict pose and covariance from each command, starting at the robot's true pose."""
-    pose, covariance, done = Truth(nao).odometry_start.as_array(), np.zeros((3, 3)), 0
+def _predict(student: StudentCode, nao: Robot) -> StageFunction:
+    """Predict pose and covariance from each command, beginning where the robot was put."""
+    pose, covariance, done = start_of(nao).as_array(), np.zeros((3, 3)), 0
 
     def look(frame: Frame) -> Overlay:
         nonlocal pose, covariance, done

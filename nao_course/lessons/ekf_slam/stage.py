@@ -44,4 +44,5 @@ STAGE = Stage(
     uses=("predict", "update_landmarks", "add_landmark"),
     wire=_grow,
     estimates=True,
+    simulated=True,
 )

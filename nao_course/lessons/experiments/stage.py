@@ -7,42 +7,32 @@ import numpy as np
 from nao_course._internal.counts import say_count
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.geometry import as_points
-from nao_course.lessons.experiments.paper_table import (
-    BETAS,
-    GAPS,
-    LENGTHS,
-    PICTURES,
-    SETTINGS,
-    Setting,
-    say_setting,
-)
+from nao_course.lessons.experiments.paper_table import PICTURES, SETTINGS, Setting, say_setting
 from nao_course.lessons.experiments.resampling import as_table
 from nao_course.lessons.experiments.scenes import simulated_scene
-from nao_course.sim import SimulatedNao
+from nao_course.robot import Robot
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
-EVERY = 3  # pictures until the next try: with more of them the robot would have to wait
-TRIES = tuple((number, beta) for number in range(PICTURES) for beta in BETAS)  # scenes, thresholds
+EVERY = 3  # pictures until the next setting is tried: with more tries the robot would have to wait
+TRIES = tuple((number, setting) for number in range(PICTURES) for setting in SETTINGS)
 
 
-def _tune_and_look(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+def _tune_and_look(student: StudentCode, nao: Robot) -> StageFunction:
     """Try the 27 settings on scene after scene during the drive, and find corners with the best setting so far."""
     costs: dict[Setting, list[float]] = {setting: [] for setting in SETTINGS}
     pictures = tried = 0
 
     def tune() -> tuple[Setting, int]:
         nonlocal pictures, tried
-        wanted = min(len(BETAS) + pictures // EVERY, len(TRIES))  # the first scene at once
-        for number, beta in TRIES[tried:wanted]:
-            table = as_table(
-                student.grid_search([simulated_scene(number)], [beta], list(GAPS), list(LENGTHS))
-            )
+        wanted = min(len(SETTINGS) + pictures // EVERY, len(TRIES))  # the first scene at once
+        for number, (beta, gap, length) in TRIES[tried:wanted]:
+            table = as_table(student.grid_search([simulated_scene(number)], [beta], [gap], [length]))
             for setting, each in table.items():
                 costs[setting].extend(each.tolist())
             tried += 1
         pictures += 1
-        scenes = tried // len(BETAS)
+        scenes = tried // len(SETTINGS)
         return min(costs, key=lambda setting: float(np.mean(costs[setting][:scenes]))), scenes
 
     def look(frame: Frame) -> Overlay:

@@ -7,12 +7,12 @@ import numpy as np
 from nao_course import plotting
 from nao_course.colours import GREEN, YELLOW, mean_lightness
 from nao_course.geometry import as_points
-from nao_course.sim import SimulatedNao
+from nao_course.robot import Robot
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 
-def _mark_feet(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+def _mark_feet(student: StudentCode, nao: Robot) -> StageFunction:
     """Label each picture with the lesson's limits, and find the posts in it."""
 
     def look(frame: Frame) -> Overlay:

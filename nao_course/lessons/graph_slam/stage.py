@@ -164,4 +164,5 @@ STAGE = Stage(
     uses=("add_initial_position", "add_relative_motion", "add_relative_measurement", "solve"),
     wire=_map_the_drive,
     estimates=True,
+    simulated=True,
 )

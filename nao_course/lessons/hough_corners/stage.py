@@ -6,12 +6,12 @@ import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.geometry import as_points
-from nao_course.sim import SimulatedNao
+from nao_course.robot import Robot
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 
-def _mark_corners(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+def _mark_corners(student: StudentCode, nao: Robot) -> StageFunction:
     """Return a function that finds corners in the labels of each frame."""
 
     def look(frame: Frame) -> Overlay:

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from nao_course import plotting
+from nao_course.colours import YELLOW
 from nao_course.geometry import Pose
+from nao_course.robot import Robot
 from nao_course.sim import LABELS, SimulatedNao, Truth
 from nao_course.widgets.attempts import StudentCode
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
@@ -19,7 +21,7 @@ _EPSILON = 10.0  # degrees by which the lesson widens green
 _SAMPLE = 1000  # pixels in the sample for the mean lightness
 
 
-def _label_pixels(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+def _label_pixels(student: StudentCode, nao: Robot) -> StageFunction:
     """Label each picture with limits that are calibrated once on the lesson's scene."""
     green, yellow = _calibrate(student, nao)
 
@@ -34,17 +36,24 @@ def _label_pixels(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     return look
 
 
-def _calibrate(student: StudentCode, nao: SimulatedNao) -> tuple[Any, Any]:
-    """Return limits of green and yellow from the student's `calibrate_hue` and examples of carpet and goal."""
+def _calibrate(student: StudentCode, nao: Robot) -> tuple[Any, Any]:
+    """Return limits of green and yellow from the student's `calibrate_hue` and examples of carpet and goal.
+
+    Nobody has marked the goal in the pictures of a real robot, so its yellow is the course's.
+    """
     from nao_course.lessons.hsl_filtering.payoff import without_edges  # matplotlib comes with it
 
-    there = SimulatedNao(nao.field, _PLACE, rng=_SEED, reality=nao.reality)
+    there = nao
+    if isinstance(nao, SimulatedNao):
+        there = SimulatedNao(nao.field, _PLACE, rng=_SEED, reality=nao.reality)
     hue, saturation, _ = student.rgb_to_hsl(there.take_picture("bottom").pixels)
+    green = student.calibrate_hue(hue[_CARPET], saturation[_CARPET], epsilon=_EPSILON)
+    if not isinstance(there, SimulatedNao):
+        return green, YELLOW
     truth = Truth(there).picture
     goal = without_edges(truth is not None and truth.labels == LABELS.index("yellow"))
     if not goal.any():
         raise ValueError("there is no yellow goal on this field to calibrate yellow with")
-    green = student.calibrate_hue(hue[_CARPET], saturation[_CARPET], epsilon=_EPSILON)
     return green, student.calibrate_hue(hue[goal], saturation[goal])
 
 

@@ -65,4 +65,5 @@ STAGE = Stage(
     uses=("localize", "05:predict_pose", "05:predict_covariance"),
     wire=_localise,
     estimates=True,
+    simulated=True,
 )

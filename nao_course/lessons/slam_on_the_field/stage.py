@@ -7,22 +7,23 @@ import numpy as np
 from nao_course._internal.counts import say_count
 from nao_course.exercises.earlier import EarlierNotUsable
 from nao_course.field_slam.observation import Observation
-from nao_course.geometry import pose_errors
+from nao_course.geometry import Pose, pose_errors
 from nao_course.lessons.slam_on_the_field.worlds import observe
 from nao_course.metrics import squared_distances
+from nao_course.robot import Robot
 from nao_course.sim import SimulatedNao, Truth
 from nao_course.slam import Estimate, measured_points
 from nao_course.widgets.attempts import StudentCode
-from nao_course.widgets.control_panel.named_landmarks import new_motions
+from nao_course.widgets.control_panel.named_landmarks import new_motions, start_of
 from nao_course.widgets.control_panel.pipeline import Frame, Overlay, Stage, StageFunction
 
 SEED = 111  # of the measurements' noise, where the simulator makes them
 
 
-def _follow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
+def _follow(student: StudentCode, nao: Robot) -> StageFunction:
     """Start at the robot's known pose, follow the commands, and update with each picture once."""
-    truth = Truth(nao)
-    slam = student.EkfSlam(truth.odometry_start, nao.odometry_noise)
+    truth = Truth(nao) if isinstance(nao, SimulatedNao) else None
+    slam = student.EkfSlam(start_of(nao), nao.odometry_noise)
     done, board, rng = 0, Board(), np.random.default_rng(SEED)
 
     def look(frame: Frame) -> Overlay:
@@ -39,7 +40,7 @@ def _follow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
             raise TypeError(f"estimate() must return an Estimate, got {type(estimate).__name__}")
         return Overlay(
             result=estimate,
-            points=measured_points(seen, type(truth.pose)()),
+            points=measured_points(seen, Pose()),
             text=f"{board.after(estimate, truth)}; {say_count(len(estimate.landmarks), 'landmark')} on the map; "
             f"{say_count(len(seen), 'measurement')} by {whose}",
             estimate=estimate,
@@ -48,7 +49,7 @@ def _follow(student: StudentCode, nao: SimulatedNao) -> StageFunction:
     return look
 
 
-def _seen(student: StudentCode, nao: SimulatedNao, frame: Frame) -> tuple[Observation, str]:
+def _seen(student: StudentCode, nao: Robot, frame: Frame) -> tuple[Observation, str]:
     """Return a picture's measurements, and who made them: the student's function, or else the simulator."""
     picture, by = frame.picture, "sense()"
     if "measure" in student:
@@ -57,6 +58,8 @@ def _seen(student: StudentCode, nao: SimulatedNao, frame: Frame) -> tuple[Observ
         except EarlierNotUsable as lacking:  # `measure` is written, but a function that it calls is not
             student.running = ""
             by += f", for {str(lacking).rstrip('.')}"
+    if not isinstance(nao, SimulatedNao):
+        raise ValueError("a real robot is measured by your measure of lesson 11, which is not ready")
     return _sensed(nao, picture.camera), by
 
 
@@ -76,14 +79,16 @@ class Board:
         """Start without estimates."""
         self._nees: list[float] = []
 
-    def after(self, estimate: Estimate, truth: Truth) -> str:
-        """Return an estimate's error, its stated standard deviation and its NEES as a line of text."""
+    def after(self, estimate: Estimate, truth: Truth | None) -> str:
+        """Return an estimate's stated standard deviation as text, and where the truth is known its error and NEES."""
+        stated = f"states {100 * np.sqrt(max(np.trace(estimate.covariance[:2, :2]), 0.0)):.0f} cm"
+        if truth is None:
+            return stated
         error = pose_errors(estimate.pose.as_array(), truth.pose.as_array())
         covariance = estimate.covariance + np.diag([1e-6, 1e-6, 1e-6])  # the first pose is known exactly
         self._nees.append(float(squared_distances(error[None], covariance[None])[0]))
-        stated = float(np.sqrt(max(np.trace(estimate.covariance[:2, :2]), 0.0)))
         return (
-            f"off {100 * np.hypot(*error[:2]):.0f} cm, states {100 * stated:.0f} cm, "
+            f"off {100 * np.hypot(*error[:2]):.0f} cm, {stated}, "
             f"NEES {self._nees[-1]:.1f}, median {np.median(self._nees):.1f} (consistent: 2.4)"
         )
 

@@ -160,12 +160,11 @@ def say_length(metres: float) -> str:
     return "< 1 cm" if metres < LEAST_LENGTH else f"{100 * metres:.0f} cm"
 
 
-def numbers_html(shown: Accuracy, has_truth: bool, estimated: bool) -> str:
+def numbers_html(shown: Accuracy, hidden: str, estimated: bool) -> str:
     """Return three tiles: the error, the uncertainty, and whether they are consistent.
 
-    With `has_truth`, the reader may choose to show the truth; unless `estimated`, the pose is the odometry's.
+    `hidden` says how to see an error that is not known; unless `estimated`, the pose is the odometry's.
     """
-    hidden = "tick Show the truth" if has_truth else "this panel has no truth"
     whose = "estimate" if estimated else "odometry"
     off = ("–", hidden) if shown.error is None else (say_length(shown.error), f"{whose} to true position")
     if shown.radius is None:

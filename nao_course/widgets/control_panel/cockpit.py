@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.geometry import Pose
+from nao_course.robot import PlacedNao, RealNao, Robot, RobotError
 from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
 from nao_course.slam import DeadReckoning, Estimate, Measurement, Motion, SlamAlgorithm, place_estimate
 from nao_course.widgets.attempts import KEPT_LETTERS, TIME_LIMIT, Attempt, attempt, complaint
@@ -44,16 +47,17 @@ class Cockpit:
     """A robot with its pictures and paths and, optionally, a SLAM algorithm.
 
     `slam` is given every motion, and the measurements of each call of `observe`: ``measure(pixels, view)``, by default
-    ``nao.sense()``. `start` is the odometry's origin in the world, by default the true start, or the field frame's
-    origin without `truth`; `frame`, by default `start`, is the pose in the world of the frame that `slam` maps in. The
-    paths and the estimate are in world coordinates, and `walked` is their commanded length, m. `outdated` are the
-    cameras whose latest picture is older than the latest motion. An error in the student's code, which is stopped after
-    `time_limit` seconds, becomes a message; a command never raises it.
+    ``nao.sense()``. `start` is the odometry's origin in the world, by default the true start, without `truth` where a
+    real robot was put, else the field frame's origin; `frame`, by default `start`, is the pose in the world of the
+    frame that `slam` maps in. The paths and the estimate are in world coordinates, and `walked` is their commanded
+    length, m. `measured` is the pose that somebody has measured where the robot stands, until it moves. `outdated` are
+    the cameras whose latest picture is older than the latest motion. An error in the student's code, which is stopped
+    after `time_limit` seconds, becomes a message; a command never raises it.
     """
 
     def __init__(
         self,
-        nao: SimulatedNao,
+        nao: Robot,
         truth: Truth | None = None,
         slam: SlamAlgorithm | None = None,
         measure: Measure | None = None,
@@ -65,7 +69,8 @@ class Cockpit:
         _check_parts(nao, truth, slam, measure)
         self.nao, self.truth, self.slam, self.measure = nao, truth, slam, measure
         self.time_limit = time_limit
-        origin = truth.odometry_start if truth is not None else nao.field.pose
+        origin = nao.start if isinstance(nao, PlacedNao) else nao.field.pose
+        origin = origin if truth is None else truth.odometry_start
         self.start = origin if start is None else start
         self.frame = self.start if frame is None else frame
         self.odometry = [self.start @ nao.odometry]
@@ -81,19 +86,25 @@ class Cockpit:
         self.printed = ""
         self.alarm = False
         self.error: BaseException | None = None
+        self.measured: Pose | None = None
         self._truths: dict[str, PictureTruth | None] = {}
         for camera in CAMERAS:
             self.photograph(camera)
         self._update_estimate()
         if not self.alarm:
-            self.say("Ready.")
+            warnings = nao.warnings() if isinstance(nao, PlacedNao) else ()
+            self.say(" ".join(["Ready.", *(f"{each[:1].upper()}{each[1:]}." for each in warnings)]))
 
     # --- commands ---
 
-    def move(self, motion: Motion) -> bool:
-        """Move the robot by one small step, pass it to `slam`, and return whether the student's code succeeded."""
-        done = self.nao.walk(motion.distance) if motion.distance else self.nao.turn(motion.turn)
-        self.walked += abs(motion.distance)
+    def step(self, motion: Motion) -> Motion:
+        """Move the robot by one small step and return it; a real robot takes its time, so a thread may run this."""
+        return self.nao.walk(motion.distance) if motion.distance else self.nao.turn(motion.turn)
+
+    def note(self, done: Motion) -> bool:
+        """Note a step that was run, pass it to `slam`, and return whether the student's code succeeded."""
+        self.walked += abs(done.distance)
+        self.measured = None
         self.odometry.append(self.start @ self.nao.odometry)
         self.seen, self.outdated = NOTHING, set(CAMERAS)
         if self.slam is None:
@@ -101,7 +112,9 @@ class Cockpit:
         return self._try("move", lambda: self._slam.move(done)).done and self._update_estimate()
 
     def is_blocked(self, motion: Motion) -> bool:
-        """Return whether the carpet ends before the end of a step: the robot would walk on the spot."""
+        """Return whether the carpet ends before the end of a step: a simulated robot would walk on the spot."""
+        if not isinstance(self.nao, SimulatedNao):
+            return False
         field, goal = self.nao.field, Truth(self.nao).pose @ Pose(motion.distance)
         x0, y0, x1, y1 = field.carpet
         x, y = field.pose.to_local([goal.x, goal.y])[0]
@@ -142,6 +155,18 @@ class Cockpit:
         self.say(f"Picture taken: {camera} camera, {size[0]} × {size[1]}. It is panel.picture.")
         return picture
 
+    def record(self) -> None:
+        """Begin a recording of a real robot's drive in a new folder, or end it."""
+        assert isinstance(self.nao, RealNao)
+        if self.nao.recorder is None:
+            folder = Path("recordings", time.strftime("%Y-%m-%d_%H-%M-%S"))
+            self.nao.record(folder)
+            self.say(f"Recording into {folder}.")
+        else:
+            folder = self.nao.recorder.folder
+            self.nao.record(None)
+            self.say(f'Recorded: RecordedNao("{folder.as_posix()}") plays it.')
+
     def observe(self, camera: str = "bottom", size: tuple[int, int] = LIVE_SIZE) -> tuple[Measurement, ...]:
         """Measure what a camera sees, pass it to `slam` and return it; nothing if the student's code failed."""
         self.seen, self.printed = NOTHING, ""
@@ -170,7 +195,10 @@ class Cockpit:
     def complain(self, what: str, error: Exception) -> None:
         """Show an error: the code that raised it and its message."""
         self.error, self.alarm = error, True
-        self.message = complaint(what, error)
+        said = str(error)
+        self.message = (
+            f"{said[:1].upper()}{said[1:]}." if isinstance(error, RobotError) else complaint(what, error)
+        )
 
     def names(self, source: str, pipeline_estimates: bool) -> dict[str, str]:
         """Return the legend's name of each path on the map, by its source."""
@@ -213,14 +241,17 @@ class Cockpit:
 
     def _measured(self, camera: str, size: tuple[int, int]) -> tuple[Measurement, ...] | None:
         """Return a camera's measurements from the present pose; None if the student's code failed."""
-        measure = self.measure
-        if measure is None:
+        measure, nao = self.measure, self.nao
+        if measure is None and isinstance(nao, SimulatedNao):
             # Equal random numbers: the body tilts as in the picture, which the page then shows.
             seed = self.frames
-            with self.nao.aside(np.random.default_rng(seed)):
+            with nao.aside(np.random.default_rng(seed)):
                 self.photograph(camera, size)
-            with self.nao.aside(np.random.default_rng(seed)):
-                return self.nao.sense(camera)
+            with nao.aside(np.random.default_rng(seed)):
+                return nao.sense(camera)
+        if measure is None:
+            self.say("Only a simulated robot measures by itself: make the panel with a function measure.")
+            return None
         picture = self.photograph(camera, size)
         return self._try("measure", lambda: _checked(measure(picture.pixels.copy(), picture.view))).value
 
@@ -272,8 +303,8 @@ def _described(estimate: Estimate | None) -> str:
 
 def _check_parts(nao: object, truth: object, slam: object, measure: object) -> None:
     """Raise ValueError if an argument has the wrong type."""
-    if not hasattr(nao, "take_picture"):
-        raise ValueError(f"nao must be a SimulatedNao, got {type(nao).__name__}")
+    if not isinstance(nao, Robot):
+        raise ValueError(f"nao must be a robot, such as SimulatedNao(), got {type(nao).__name__}")
     if truth is not None and not isinstance(truth, Truth):
         raise ValueError(f"truth must be Truth(nao) or None, got {truth!r}")
     if isinstance(slam, type):

@@ -35,6 +35,7 @@ KEYS = {
 }
 VIEW_KEYS = {"view": ("v",)}  # only if functions of the student are ready
 ITSELF_KEYS = {"itself": ("g",)}  # only if the student's code chooses motions
+RECORD_KEYS = {"record": ("r",)}  # only for a real robot
 _KEY_WORDS = "Keyboard: W A S D or arrows walk, I J K L turn the head, X or Escape stops"
 _MORE_KEY_WORDS = (
     ", space takes a picture, M measures, H looks ahead, C changes the camera, T shows three dimensions, "
@@ -42,6 +43,7 @@ _MORE_KEY_WORDS = (
 )
 _VIEW_KEY_WORDS = ", V changes the view"
 _ITSELF_KEY_WORDS = ", G lets the robot go by itself"
+_RECORD_KEY_WORDS = ", R begins or ends a recording"
 _CAPS = {" ": "Space", "x": "X \N{MIDDLE DOT} Esc"}  # keys whose caps do not have their letter alone
 
 # All heights are fixed or follow from the panel's width, so that nothing moves when a state or a view changes. `--h` is
@@ -189,7 +191,8 @@ class Controls:
     """The control panel's widgets in one box.
 
     `heading` is HTML above the other widgets, `has_views` means that functions of the student can draw over the
-    picture, and `drives` that one of them chooses the robot's motions. The settings `camera`, `size` (width, height) in
+    picture, `drives` that one of them chooses the robot's motions, and `records` that a recording of the robot can be
+    made: its button has the place of the truth's. The settings `camera`, `size` (width, height) in
     pixels, `step` in metres, `turn` in degrees and `show_truth` are widgets with a value; so are `numbers`, `status`
     and `facts`, which hold HTML.
     """
@@ -205,10 +208,16 @@ class Controls:
         heading: str = "",
         has_views: bool = False,
         drives: bool = False,
+        records: bool = False,
     ) -> None:
         """Build the widgets."""
         self._actions = {**actions, "more": self._show_more, "camera": self._other_camera}
-        self._keys = {**KEYS, **(VIEW_KEYS if has_views else {}), **(ITSELF_KEYS if drives else {})}
+        self._keys = {
+            **KEYS,
+            **(VIEW_KEYS if has_views else {}),
+            **(ITSELF_KEYS if drives else {}),
+            **(RECORD_KEYS if records else {}),
+        }
         self._controls: list[Any] = []
         self.numbers, self.status, self.facts = (
             html_line("", "nao-numbers"),
@@ -310,7 +319,9 @@ class Controls:
             *([self._button("itself", "By itself", go)] if "itself" in self._keys else []),
             *([self.view] if self.view is not None else []),
             self._button("picture", "Take picture", "Take a picture and keep it"),
-            self.show_truth,
+            self._button("record", "Record", "Begin or end a recording of the drive")
+            if "record" in self._keys
+            else self.show_truth,
             self._button("stop", "Stop", "Stop the drive"),
             self._world,
             self._button("slam", "Run SLAM" if has_slam else "Measure", measure),
@@ -323,8 +334,9 @@ class Controls:
             _MORE_KEY_WORDS
             + (_VIEW_KEY_WORDS if "view" in self._keys else "")
             + (_ITSELF_KEY_WORDS if "itself" in self._keys else "")
+            + (_RECORD_KEY_WORDS if "record" in self._keys else "")
         )
-        once = ("picture", "slam", "view", "itself", "camera", "more", "world")
+        once = ("picture", "slam", "view", "itself", "camera", "more", "world", "record")
         return html_line(key_field(self._keys, _KEY_WORDS, more, "", once=once), "nao-key-place")
 
     def show_face(self, face: Any | None) -> None:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
+from contextlib import suppress
 
+from nao_course.robot import RobotError
+from nao_course.sim import SimulatedNao
 from nao_course.slam import Motion
 from nao_course.widgets.control_panel.cockpit import Cockpit, small_steps
 from nao_course.widgets.control_panel.waiting import WaitingMotions, in_words
@@ -54,8 +57,10 @@ class MotionRunner:
             raise ValueError(
                 "this panel is closed, because a newer panel drives this robot: use the newer panel"
             )
-        for _ in self._steps(motion):
-            pass
+        steps = self._steps(motion)
+        part = next(steps, None)
+        while part is not None:
+            part = _after(steps, self._cockpit.step(part))
 
     def press(self, motion: Motion) -> None:
         """Run a motion as a task of the kernel's loop, so that the buttons still respond; later motions wait."""
@@ -78,9 +83,12 @@ class MotionRunner:
             self.press(motion)
 
     def stop(self) -> None:
-        """Stop after the present step, and discard the waiting motions."""
+        """Stop a real robot at once and a simulated one after the present step, and discard the waiting motions."""
         self._waiting.clear()
         self._stopping = self.going
+        if self.going:
+            with suppress(RobotError):  # the step that runs says what is wrong
+                self._cockpit.nao.stop()
 
     def close(self) -> None:
         """Stop, and refuse further motions."""
@@ -104,7 +112,10 @@ class MotionRunner:
         upcoming: Motion | None = motion
         while upcoming is not None:
             began = time.perf_counter()
-            for _ in self._steps(upcoming):
+            steps = self._steps(upcoming)
+            part = next(steps, None)
+            while part is not None:
+                part = _after(steps, await self._step(part))
                 await asyncio.sleep(max(BREATH, PERIOD - (time.perf_counter() - began)))
                 await self._until_shown()
                 began = time.perf_counter()
@@ -115,6 +126,12 @@ class MotionRunner:
                     return
             upcoming = self._waiting.take()
 
+    async def _step(self, part: Motion) -> Motion:
+        """Run a step; a robot that takes its time walks in a thread, so that the buttons still respond."""
+        if isinstance(self._cockpit.nao, SimulatedNao):
+            return self._cockpit.step(part)
+        return await asyncio.to_thread(self._cockpit.step, part)
+
     async def _until_shown(self) -> None:
         """Wait until at most one picture is on its way to the pages, so that they do not fall behind the robot."""
         end = time.perf_counter() + PATIENCE
@@ -123,8 +140,8 @@ class MotionRunner:
                 self._give_up()
             await asyncio.sleep(BREATH)
 
-    def _steps(self, motion: Motion) -> Iterator[None]:
-        """Run a motion step by step, with new pictures and a new map after each step.
+    def _steps(self, motion: Motion) -> Generator[Motion, Motion, None]:
+        """Yield the steps of a motion, and show new pictures and a new map after each step that comes back as run.
 
         It ends if `slam` fails or the carpet ends, which also stops a robot that drives by itself.
         """
@@ -137,11 +154,19 @@ class MotionRunner:
                 self._cockpit.say(f"{in_words(motion)}: stopped, because the carpet ends here.")
                 self._show_status()
                 return
-            succeeded = self._cockpit.move(part)
+            done = yield part
+            succeeded = self._cockpit.note(done)
             self._refresh()
             if not succeeded:
                 return
-            yield
         if not self._cockpit.alarm:
             self._cockpit.say(f"{in_words(motion)}: done.")
             self._show_status()
+
+
+def _after(steps: Generator[Motion, Motion, None], done: Motion) -> Motion | None:
+    """Return the step after one that was run; None after the last."""
+    try:
+        return steps.send(done)
+    except StopIteration:
+        return None

@@ -1,4 +1,4 @@
-"""The robot's new commands and the simulator's measurements, for stages with known landmark correspondences."""
+"""Where a robot was put, its new commands, and the simulator's measurements with known landmark correspondences."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nao_course.geometry import FloatArray
+from nao_course.geometry import FloatArray, Pose
+from nao_course.robot import PlacedNao, Robot
 from nao_course.sim import CameraView, SimulatedNao, Truth, visible_landmarks
 from nao_course.sim.drives import NamedEkf
 from nao_course.slam import Motion
@@ -26,14 +27,21 @@ class NamedMeasurements(NamedTuple):
     pixels: list[tuple[float, float]]
 
 
-def new_motions(nao: SimulatedNao, done: int) -> list[Motion]:
+def start_of(nao: Robot) -> Pose:
+    """Return where a robot's odometry begins in the world: the truth, or what somebody says who has put it there."""
+    if isinstance(nao, SimulatedNao):
+        return Truth(nao).odometry_start
+    return nao.start if isinstance(nao, PlacedNao) else nao.field.pose
+
+
+def new_motions(nao: Robot, done: int) -> list[Motion]:
     """Return the robot's commands after the first `done`."""
     path = nao.odometry_path[done:]
     steps = [before.inverse() @ after for before, after in pairwise(path)]
     return [Motion(step.x, step.theta) for step in steps]
 
 
-def new_commands(nao: SimulatedNao, done: int) -> list[tuple[FloatArray, FloatArray]]:
+def new_commands(nao: Robot, done: int) -> list[tuple[FloatArray, FloatArray]]:
     """Return the commands (2,) after the first `done`, with the covariances (3, 3) of their errors."""
     return [
         (np.array([motion.distance, motion.turn]), nao.odometry_noise.covariance(motion))

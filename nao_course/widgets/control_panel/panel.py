@@ -12,7 +12,8 @@ import numpy as np
 
 from nao_course.geometry import Pose
 from nao_course.plotting import Drawing, style_of
-from nao_course.sim import Picture, SimulatedNao, Truth
+from nao_course.robot import RealNao, Robot
+from nao_course.sim import Picture, Truth
 from nao_course.slam import Measurement, Motion, SlamAlgorithm
 from nao_course.widgets.attempts import TIME_LIMIT
 from nao_course.widgets.control_panel.cockpit import Cockpit, Measure
@@ -38,19 +39,20 @@ class ControlPanel:
 
     Parameters
     ----------
-    nao : SimulatedNao
-        The robot. A newer panel for the same robot closes this panel.
+    nao : Robot
+        The robot: a `SimulatedNao`, a `RealNao` or a `RecordedNao`. A newer panel for the same robot closes this panel.
     truth : Truth, optional
         The robot's true pose, for the map.
     slam : SlamAlgorithm, optional
         Algorithm whose ``move`` is called for every small step. The button "Run SLAM" measures and calls its
         ``observe``.
     measure : callable, optional
-        ``measure(pixels, view)`` returns a list of Measurement; by default the ideal ``nao.sense()``.
+        ``measure(pixels, view)`` returns a list of Measurement; by default a simulated robot's ideal ``nao.sense()``.
     show_truth : bool, optional
         Whether the map shows the truth at first; by default it does if `truth` is given.
     start : Pose, optional
-        The odometry's origin in the world; by default the true start, and the field frame's origin without `truth`.
+        The odometry's origin in the world; by default the true start, without `truth` where a real robot was put, else
+        the field frame's origin.
     frame : Pose, optional
         Pose in the world of the frame that `slam` maps in; by default `start`, so that the map begins at zeros.
     source : "ekf" or "graph"
@@ -81,7 +83,7 @@ class ControlPanel:
 
     def __init__(
         self,
-        nao: SimulatedNao,
+        nao: Robot,
         truth: Truth | None = None,
         slam: SlamAlgorithm | None = None,
         measure: Measure | None = None,
@@ -110,6 +112,7 @@ class ControlPanel:
             heading="".join(_line(each) for each in self._own.heading()),
             has_views=self._own.available,
             drives=self._own.drives,
+            records=isinstance(nao, RealNao) and truth is None,
         )
         self._screen = Screen(
             self.cockpit,
@@ -272,6 +275,21 @@ class ControlPanel:
         self._controls.show_truth.value = bool(shown)
 
     @property
+    def measured_pose(self) -> Pose | None:
+        """Pose in the world where somebody has measured the robot, with a tape; None if it has moved since.
+
+        Set it to compare the estimate with it: ``panel.measured_pose = Pose(1.2, 0.4, 0.5)``.
+        """
+        return self.cockpit.measured
+
+    @measured_pose.setter
+    def measured_pose(self, pose: Pose) -> None:
+        if not isinstance(pose, Pose):
+            raise ValueError(f"measured_pose must be a Pose(x, y, theta) in metres and radians, got {pose!r}")
+        self.cockpit.measured = pose
+        self._screen.show()
+
+    @property
     def view(self) -> View:
         """Where your code's results are shown: "over" the picture, "beside" it, or not at all ("picture")."""
         return self._own.view
@@ -328,10 +346,15 @@ class ControlPanel:
             "look-ahead": self.look_ahead,
             "picture": self.take_picture,
             "slam": self.run_slam,
+            "record": self._record,
             "view": self._next_view,
             "world": self._next_face,
             "itself": lambda: self._drive.go_by_itself(),
         }
+
+    def _record(self) -> None:
+        self.cockpit.record()
+        self._screen.show_status()
 
     def _next_face(self) -> None:
         self._screen.switch_face()

@@ -20,7 +20,8 @@ import numpy.typing as npt
 from nao_course._internal.time_limits import TooSlow
 from nao_course.exercises.lesson_names import number_of
 from nao_course.geometry import FloatArray, as_points
-from nao_course.sim import Picture, SimulatedNao
+from nao_course.robot import Robot
+from nao_course.sim import Picture
 from nao_course.slam import Estimate, Motion
 from nao_course.widgets.attempts import KEPT_LETTERS, StudentCode, attempt
 
@@ -136,16 +137,19 @@ class Stage:
         The student's functions that it calls only if they are ready: ``"measure" in student``.
     drives : bool
         Whether its overlays contain a motion, so that the robot can drive by itself.
+    simulated : bool
+        Whether it needs measurements of the simulator, so that it runs on no other robot.
     """
 
     name: str
     lesson: str
     uses: tuple[str, ...]
-    wire: Callable[[StudentCode, SimulatedNao], StageFunction]
+    wire: Callable[[StudentCode, Any], StageFunction]
     after: tuple[str, ...] = ()
     estimates: bool = False
     helped_by: tuple[str, ...] = ()
     drives: bool = False
+    simulated: bool = False
 
 
 @dataclass(frozen=True)
@@ -254,7 +258,7 @@ class Pipeline:
         Stages in the order in which they run.
     functions : mapping of str to callable
         The student's functions by name: at least the functions that the stages use.
-    nao : SimulatedNao
+    nao : Robot
         The robot, for stages that calibrate.
     missing : mapping of str to str
         Why each stage that is not ready is missing, by the stage's name.
@@ -268,7 +272,7 @@ class Pipeline:
         self,
         stages: Sequence[Stage],
         functions: Mapping[str, Callable[..., Any]],
-        nao: SimulatedNao,
+        nao: Robot,
         missing: Mapping[str, str] | None = None,
         time_limit: float = PICTURE_LIMIT,
         remarks: Sequence[str] = (),

@@ -10,6 +10,7 @@ import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.plotting import Drawing
+from nao_course.sim import SimulatedNao
 from nao_course.slam import Estimate
 from nao_course.widgets.control_panel.accuracy import Accuracy, accuracy, numbers_html, say_length
 from nao_course.widgets.control_panel.cockpit import CAMERAS, LIVE_SIZE, Cockpit
@@ -101,11 +102,18 @@ class Screen:
 
     def _show_numbers(self) -> None:
         shown, estimated = self._accuracy(), self.estimate() is not None
-        _show(self._controls.numbers, numbers_html(shown, self._cockpit.truth is not None, estimated))
+        _show(self._controls.numbers, numbers_html(shown, self._hidden(), estimated))
+
+    def _hidden(self) -> str:
+        """Say how to see how far off the estimate is, where that is not shown."""
+        if self._cockpit.truth is not None:
+            return "tick Show the truth"
+        simulated = isinstance(self._cockpit.nao, SimulatedNao)
+        return "this panel has no truth" if simulated else "measure it: panel.measured_pose"
 
     def _accuracy(self) -> Accuracy:
         cockpit = self._cockpit
-        truth = cockpit.truth.pose if self._with_truth and cockpit.truth is not None else None
+        truth = cockpit.truth.pose if self._with_truth and cockpit.truth is not None else cockpit.measured
         return accuracy(self.estimate() or cockpit.odometry[-1], truth)
 
     def _finish(self) -> str:
@@ -164,8 +172,9 @@ class Screen:
         """Show the field in three dimensions in the map's place, or the map again."""
         nao = self._cockpit.nao
         if self._world is None:
+            reality = nao.reality if isinstance(nao, SimulatedNao) else None
             self._world = WorldView(
-                nao.field, WORLD_SIZE, model=nao.model, reality=nao.reality, source=self._source
+                nao.field, WORLD_SIZE, model=nao.model, reality=reality, source=self._source
             )
             self._world.widget.hint = WORLD_HINT
         self._in_3d = not self._in_3d

@@ -105,14 +105,14 @@ def test_choose_move_drives_a_while_when_the_pose_is_uncertain_and_else_the_near
         (MOST_SIGMA / 3, "the nearest frontier"),
     ):
         slam.covariance = np.eye(3) * sigma**2
-        move = explorer.next(slam)
+        move = explorer.next(slam.state, slam.covariance)
         assert explorer.why == f"to {why}"
         assert move.distance == pytest.approx(0.3) or sigma != MOST_SIGMA
     slam.covariance = np.eye(3) * MOST_SIGMA**2
     explorer, reasons = Explorer(StudentCode(functions)), []
     for _ in range(9):
         explorer.see(slam.state, 0.0, 0.3)
-        explorer.next(slam)
+        explorer.next(slam.state, slam.covariance)
         reasons.append(explorer.why)
     returning, exploring = ["to localise better"] * 3, ["to the nearest frontier"] * 3
     assert reasons == returning + exploring + returning

@@ -78,24 +78,24 @@ def test_a_value_without_a_variance_does_not_count_and_the_panel_draws_the_axis_
 def test_a_matrix_that_is_no_covariance_gives_an_error_and_no_verdict(covariance):
     shown = accuracy(estimate((0.3, 0.4, 0.0), covariance), Pose())
     assert shown.error == pytest.approx(0.5) and shown.radius is None and shown.verdict == ""
-    assert "not a valid covariance" in numbers_html(shown, has_truth=True, estimated=True)
+    assert "not a valid covariance" in numbers_html(shown, "tick Show the truth", True)
 
 
 def test_the_tiles_say_the_numbers_and_their_verdict_and_a_hidden_truth_gives_neither_error_nor_verdict():
     shown = accuracy(estimate((0.3, 0.4, 0.0)), None)
     assert shown.error is None and shown.verdict == "" and shown.radius > 0
-    assert numbers_html(shown, has_truth=True, estimated=True).count("tick Show the truth") == 2
-    assert "no truth" in numbers_html(shown, has_truth=False, estimated=True)
-    assert "if its error fits its uncertainty." in numbers_html(shown, has_truth=False, estimated=True)
-    html = numbers_html(accuracy(estimate((0.54, 0.72, 0.0)), Pose()), has_truth=True, estimated=True)
+    assert numbers_html(shown, "tick Show the truth", True).count("tick Show the truth") == 2
+    assert "no truth" in numbers_html(shown, "no truth", True)
+    assert "if its error fits its uncertainty." in numbers_html(shown, "no truth", True)
+    html = numbers_html(accuracy(estimate((0.54, 0.72, 0.0)), Pose()), "tick Show the truth", True)
     said = {0.0: "< 1 cm", 0.0051: "1 cm", 0.994: "99 cm", 1.0: "1.00 m"}
     assert {metres: say_length(metres) for metres in said} == said
     assert "<b>90 cm</b>" in html and "<b>± 51 cm</b>" in html
     assert "; NEES " in html and ". NEES, the normalised" in html
     assert "<b>overconfident</b>" in html and "nao-bad" in html and "nao-good" not in html
-    assert numbers_html(accuracy(Pose(0.3, 0.4, 0.0), Pose()), True, False).count("–") == 2
+    assert numbers_html(accuracy(Pose(0.3, 0.4, 0.0), Pose()), "no truth", False).count("–") == 2
     covariance = np.diag([0.1, 0.1, 0.05]) ** 2
-    html = numbers_html(accuracy(estimate((0.27, 0.0, 0.0), covariance), Pose()), True, True)
+    html = numbers_html(accuracy(estimate((0.27, 0.0, 0.0), covariance), Pose()), "no truth", True)
     assert "<b>27 cm</b>" in html and "<b>± 24 cm</b>" in html and "<b>consistent</b>" in html
     assert "outside the ellipse, as 1 of 20 is" in html
 
@@ -115,7 +115,7 @@ def test_an_overconfident_estimate_names_the_axis_that_is_too_small(off, said):
     c, s = np.cos(0.5), np.sin(0.5)
     J = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     shown = accuracy(estimate(at.as_array(), J @ covariance @ J.T), turn)
-    assert shown.verdict == "overconfident" and said in numbers_html(shown, True, True)
+    assert shown.verdict == "overconfident" and said in numbers_html(shown, "no truth", True)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.5, 6.0))
@@ -127,7 +127,7 @@ def test_whatever_is_called_overconfident_is_outside_of_what_is_drawn_and_said(s
     off = factor * np.linalg.cholesky(covariance) @ rng.normal(size=3)
     off[2] = np.clip(off[2], -1.0, 1.0)
     shown = accuracy(estimate((1.0, 2.0, 0.4), covariance), Pose(*(np.array([1.0, 2.0, 0.4]) + off)))
-    short, said = shown.short, numbers_html(shown, True, True)
+    short, said = shown.short, numbers_html(shown, "no truth", True)
     if shown.verdict == "overconfident" and short is None:
         assert "position and heading do not fit together" in said and not shown.is_outside
     if short is None:

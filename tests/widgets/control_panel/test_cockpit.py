@@ -23,10 +23,10 @@ def test_the_pieces_of_a_motion_are_small_and_add_up_to_it(motion):
 def test_an_algorithm_that_maps_in_the_field_frame_is_drawn_there_and_a_heading_near_zero_is_shown_as_zero():
     nao = clean_nao(pose=Pose(0.5, -0.5, 0.4))
     cockpit = Cockpit(nao, Truth(nao), Recorder(Pose(0.5, -0.5, 0.4)), frame=Pose())
-    cockpit.move(Motion(0.05))
+    cockpit.note(cockpit.step(Motion(0.05)))
     assert np.allclose(cockpit.estimate.pose.as_array(), cockpit.odometry[-1].as_array())
     cockpit = Cockpit(clean_nao())
-    cockpit.move(Motion(-1e-6, -1e-6))
+    cockpit.note(cockpit.step(Motion(-1e-6, -1e-6)))
     assert "-0" not in " ".join(cockpit.facts())
 
 
