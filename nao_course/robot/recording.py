@@ -184,6 +184,10 @@ class RecordedNao(PlacedNao):
             rgb = cv2.resize(rgb, tuple(size), interpolation=cv2.INTER_AREA)
         return Picture(np.asarray(rgb, np.uint8), view.at_size(size), camera)
 
+    def has_picture(self, camera: str) -> bool:
+        """Return whether a camera takes a picture before the next motion, or has taken one."""
+        return self._next_picture(self.model.check_camera(camera)) is not None
+
     def stop(self) -> None:
         """Do nothing: a recording does not move by itself."""
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from nao_course._internal.counts import say_count
 from nao_course.geometry import Pose
-from nao_course.robot import PlacedNao, RealNao, Robot, RobotError
+from nao_course.robot import PlacedNao, RealNao, RecordedNao, Robot, RobotError
 from nao_course.sim import CameraView, Picture, PictureTruth, SimulatedNao, Truth
 from nao_course.slam import DeadReckoning, Estimate, Measurement, Motion, SlamAlgorithm, place_estimate
 from nao_course.widgets.attempts import KEPT_LETTERS, TIME_LIMIT, Attempt, attempt, complaint
@@ -133,8 +133,12 @@ class Cockpit:
         self.say(f"Head at {words}: a joint is at its limit." if limited else f"Head at {words}.")
 
     def photograph(self, camera: str, size: tuple[int, int] = LIVE_SIZE) -> Picture:
-        """Take a live picture, which is shown and counted but not kept."""
-        picture = self.nao.take_picture(camera, size)
+        """Take a live picture, which is shown and counted but not kept; it is black before a recording's first."""
+        nao = self.nao
+        if isinstance(nao, RecordedNao) and not nao.has_picture(camera):
+            picture = Picture(np.zeros((*LIVE_SIZE[::-1], 3), np.uint8), nao.view(camera), camera)
+        else:
+            picture = nao.take_picture(camera, size)
         self.pictures[camera] = picture
         self._truths[camera] = None if self.truth is None else self.truth.picture
         self.outdated.discard(camera)
@@ -161,6 +165,8 @@ class Cockpit:
         if self.nao.recorder is None:
             folder = Path("recordings", time.strftime("%Y-%m-%d_%H-%M-%S"))
             self.nao.record(folder)
+            for camera in CAMERAS:
+                self.photograph(camera)
             self.say(f"Recording into {folder}.")
         else:
             folder = self.nao.recorder.folder

@@ -1,0 +1,113 @@
+"""The control panel and the student's robot with a real robot, emulated behind the real protocol, and a recorded one."""
+
+import asyncio
+import re
+import time
+
+import numpy as np
+import pytest
+
+from nao_course.geometry import Pose
+from nao_course.robot import RecordedNao
+from nao_course.student import my_nao
+from nao_course.widgets import ControlPanel
+from tests.robot.emulated import connected
+from tests.widgets.robots import in_a_loop, press, until_it_stands
+
+
+def said(panel):
+    return re.sub("<[^>]+>", " ", panel._controls.numbers.value)
+
+
+def go(panel, *presses):
+    async def scenario():
+        for name in presses:
+            press(panel, name)
+        await until_it_stands(panel)
+
+    in_a_loop(scenario)
+
+
+def test_a_real_robot_has_no_truth_and_is_compared_with_what_somebody_measures_until_it_moves():
+    start = Pose(1.0, 0.5, 0.3)
+    with connected(start=start) as (_, nao):
+        panel = ControlPanel(nao)
+        assert panel.cockpit.odometry[-1] == start
+        assert "How far off?  –" in said(panel) and "measure it: panel.measured_pose" in said(panel)
+        panel.measured_pose = start @ Pose(0.03, 0.0, 0.0)
+        assert "How far off?  3 cm" in said(panel)
+        panel.forward(0.05)
+        assert panel.measured_pose is None and "How far off?  –" in said(panel)
+        with pytest.raises(ValueError, match="must be a Pose"):
+            panel.measured_pose = (1.0, 0.5)
+        assert panel.run_slam() == () and "make the panel with a function measure" in panel.cockpit.message
+
+
+def test_stop_ends_a_real_robots_step_at_once_and_its_buttons_answer_while_it_walks():
+    with connected(pace=0.2) as (_, nao):  # a step of 5 cm takes 2 s
+        panel = ControlPanel(nao)
+
+        async def scenario():
+            press(panel, "forward")
+            await asyncio.sleep(0.6)
+            press(panel, "look-left")  # it is answered in the middle of the step
+            assert panel.driving and np.degrees(nao.head[0]) > 8
+            began = time.perf_counter()
+            press(panel, "stop")
+            await until_it_stands(panel)
+            return time.perf_counter() - began
+
+        assert in_a_loop(scenario) < 1.7  # the rest of the step would take longer
+        assert panel.cockpit.message == "Stopped." and 0 < nao.odometry.x < 0.05
+
+
+def test_a_fall_and_a_lost_robot_become_messages_that_say_what_to_do():
+    with connected() as (robot, nao):
+        robot.battery = 0.1
+        panel = ControlPanel(nao)
+        assert panel.cockpit.message == "Ready. Its battery has 10 %: charge it before the next drive."
+        robot.fall()
+        go(panel, "forward")
+        assert panel.cockpit.alarm and panel.cockpit.message.startswith("The robot has fallen")
+        assert not panel.driving
+        nao.wake_up()
+        go(panel, "forward")
+        assert panel.cockpit.message == "Walk 0.20 m ahead: done."
+
+
+def test_the_record_button_keeps_the_drive_and_a_panel_plays_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with connected() as (_, nao):
+        panel = ControlPanel(nao)
+        panel.forward(0.1)
+        press(panel, "record")
+        assert panel.cockpit.message.startswith("Recording into")
+        panel.forward(0.1)
+        panel.turn_head(0.2)
+        press(panel, "record")
+        path, picture = nao.odometry_path, panel.cockpit.pictures["bottom"]
+    (folder,) = (tmp_path / "recordings").iterdir()
+    assert f'RecordedNao("recordings/{folder.name}") plays it' in panel.cockpit.message
+    again = ControlPanel(RecordedNao(folder))
+    assert again.cockpit.pictures["top"].pixels.any()
+    events = folder / "events.jsonl"
+    lines = events.read_text().splitlines(keepends=True)
+    events.write_text("".join(line for line in lines if '"top"' not in line))
+    assert not ControlPanel(RecordedNao(folder)).cockpit.pictures["top"].pixels.any()
+    events.write_text("".join(lines))
+    again.forward(0.1)
+    moved = path[2].inverse() @ path[-1]
+    assert np.allclose(again.cockpit.nao.odometry.as_array(), moved.as_array(), atol=1e-9)
+    again.turn_head(0.2)
+    assert np.array_equal(again.cockpit.pictures["bottom"].pixels, picture.pixels)
+    go(again, "forward")
+    assert again.cockpit.message == f"The recording {folder.name} ends here."
+
+
+def test_my_nao_leaves_out_on_a_real_robot_only_what_the_simulator_measures():
+    with connected() as (_, nao):
+        panel = my_nao(nao, upto="00")
+        assert not panel._own.drives
+        stages = my_nao(nao)._own._pipeline
+        simulated = {name for name, why in stages.missing.items() if "only the simulator measures" in why}
+        assert simulated == {"pose", "growing map", "map after the drive"}
