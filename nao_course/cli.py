@@ -237,6 +237,11 @@ def demo(
         metavar="FOLDER",
         help="Use recorded pictures of a real walk: the folder that contains amsterdam_2013.",
     ),
+    recording: Path | None = typer.Option(
+        None,
+        metavar="FOLDER",
+        help="Use a drive that RealNao has recorded, from the halfway line toward the goal.",
+    ),
     field: Path | None = typer.Option(
         None,
         metavar="FILE",
@@ -255,7 +260,7 @@ def demo(
         report.make_folder(out)
         solutions = Path("solutions")  # in the course's repository, the solutions drive
         functions = drive.demo_functions(chosen, solutions if solutions.is_dir() else _notebooks())
-        frames, pictures, ground = drive.route(seed, walk, field)
+        frames, pictures, ground = drive.route(seed, walk, field, recording)
         for line in report.field_in_words(ground):
             _say(line)
         driving = track(frames, "driving", pictures, console=console)

@@ -36,7 +36,8 @@ class WalkFrame:
 
     The motion is commanded or measured by odometry, and None if the robot only turned its head. The pixels (H, W, 3)
     are RGB, the pose is in the field frame, and `farthest` is the largest range of a measurement that is used, m. A
-    view that is not `calibrated` has a constant offset in addition to the body's sway.
+    view that is not `calibrated` has a constant offset in addition to the body's sway. Where the truth is not `known`,
+    the pose is odometry's.
     """
 
     motion: Motion | None
@@ -45,6 +46,7 @@ class WalkFrame:
     pose: Pose
     farthest: float = 6.0
     calibrated: bool = True
+    known: bool = True
 
 
 def real_walk(

@@ -20,7 +20,7 @@ DEAD_RECKONING = "odometry"  # has no map
 def drive_film(
     title: str,
     field: Field,
-    truth: Sequence[Pose],
+    truth: Sequence[Pose] | None,
     estimates: Mapping[str, Sequence[Estimate]],
     seen: Sequence[Iterable[Measurement]],
     pace: int = 3,
@@ -33,8 +33,8 @@ def drive_film(
         Title of the film.
     field : Field
         The field.
-    truth : sequence of Pose
-        True pose at each picture.
+    truth : sequence of Pose or None
+        True pose at each picture, if it is known.
     estimates : mapping of str to sequence of Estimate
         Estimates at each picture, by source ("odometry", "ekf" or "graph"), in the frame of `truth`. The measurements
         are drawn from the pose of the last source.
@@ -46,7 +46,7 @@ def drive_film(
     Returns
     -------
     Film
-        Its captions say how far off every estimated position is.
+        Its captions say how far off every estimated position is, if the truth is known.
     """
     maps = [source for source in estimates if source != DEAD_RECKONING]
     rays = [
@@ -54,14 +54,17 @@ def drive_film(
     ]
     layers = [layer for source in maps for layer in _map_layers(source, estimates[source])]
     layers.append(line_layer(GREY, rays, "measured", alpha=0.9, jumps=True))
-    layers.append(path_layer("truth", [each.as_array() for each in truth], "true path"))
+    if truth is not None:
+        layers.append(path_layer("truth", [each.as_array() for each in truth], "true path"))
     layers += [
         path_layer(source, [each.pose.as_array() for each in found]) for source, found in estimates.items()
     ]
-    captions = [
-        f"After {say_count(number + 1, 'picture')}. Position off: {_say_errors(estimates, number, pose)}."
-        for number, pose in enumerate(truth)
-    ]
+    captions = [f"After {say_count(number + 1, 'picture')}." for number in range(len(seen))]
+    if truth is not None:
+        captions = [
+            f"{caption} Position off: {_say_errors(estimates, number, truth[number])}."
+            for number, caption in enumerate(captions)
+        ]
     return Film(title, layers, captions, field, step="Picture", pace=pace)
 
 

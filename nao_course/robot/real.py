@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import Pose, finite, yaw_pitch_roll
-from nao_course.robot.interface import MODELS, PlacedNao, RobotError
+from nao_course.robot.interface import MODELS, PlacedNao, RobotError, motion_between
 from nao_course.robot.naoqi import (
     CAMERAS,
     RESOLUTIONS,
@@ -248,7 +248,7 @@ class RealNao(PlacedNao):
             self._stopping.clear()
             self._refuse_fallen()
             arrived = all(self._run(part) for part in _parts(motion))
-            done = motion if arrived else _between(self.odometry, self._here())
+            done = motion if arrived else motion_between(self.odometry, self._here())
             self._odometry.append(self._here())
         except BaseException:
             with suppress(RobotError):
@@ -436,12 +436,6 @@ def _parts(motion: Motion) -> Iterator[Motion]:
     turns = int(np.ceil(abs(motion.turn) / TURN_PART - 1e-9))
     yield from (Motion(motion.distance / walks, 0.0) for _ in range(walks))
     yield from (Motion(0.0, motion.turn / turns) for _ in range(turns))
-
-
-def _between(before: Pose, after: Pose) -> Motion:
-    """Return the motion between two poses of the odometry, as distance ahead and turn."""
-    step = before.inverse() @ after
-    return Motion(float(np.hypot(step.x, step.y) * np.sign(step.x or 1.0)), step.theta)
 
 
 def _camera_frame(model: NaoModel, camera: str) -> tuple[str, int, bool]:

@@ -1,4 +1,4 @@
-"""The control panel and the student's robot with a real robot, emulated behind the real protocol, and a recorded one."""
+"""The control panel and my_nao with a real robot, emulated behind the real protocol, and with a recorded one."""
 
 import asyncio
 import re

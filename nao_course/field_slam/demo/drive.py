@@ -25,6 +25,7 @@ from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observati
 from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.field_slam.walk import WalkFrame, real_walk
 from nao_course.geometry import FloatArray, Pose
+from nao_course.robot import RecordedNao
 from nao_course.sim import DIMENSIONS, CameraView, Field, FieldDimensions
 from nao_course.slam import Estimate, SlamAlgorithm
 from nao_course.student.notebooks import own_function
@@ -59,8 +60,13 @@ class Story:
 
     @property
     def poses(self) -> list[Pose]:
-        """True pose of the robot at each picture, in the field frame."""
+        """True pose of the robot at each picture, in the field frame; odometry's where the truth is not known."""
         return [frame.pose for frame in self.frames]
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether the true poses are known."""
+        return all(frame.known for frame in self.frames)
 
 
 def simulated(seed: int, moves: int, field: Field | None = None) -> Iterator[WalkFrame]:
@@ -69,15 +75,29 @@ def simulated(seed: int, moves: int, field: Field | None = None) -> Iterator[Wal
         yield WalkFrame(shot.motion, shot.picture.pixels, shot.picture.view, shot.pose)
 
 
-def route(
-    seed: int, walk: Path | None = None, field: Path | None = None
-) -> tuple[Iterator[WalkFrame], int, Field]:
-    """Return the pictures of a drive or walk, their number, and the field.
+def recorded(nao: RecordedNao) -> Iterator[WalkFrame]:
+    """Yield the pictures of the bottom camera in a recording of a real robot, whose camera is not calibrated."""
+    at_home = nao.field.pose.inverse() @ nao.start
+    for motion, picture in nao.play():
+        pose = at_home @ nao.odometry
+        yield WalkFrame(motion, picture.pixels, picture.view, pose, calibrated=False, known=False)
 
-    `walk`, a folder with ``amsterdam_2013`` or of the walk itself, replaces the simulated drive by real pictures.
-    `field` is a file for `Field.from_toml`, by default the half field of 2012. Raise a ValueError if both are given, or
-    if the field is not valid or too small.
+
+def route(
+    seed: int, walk: Path | None = None, field: Path | None = None, recording: Path | None = None
+) -> tuple[Iterator[WalkFrame], int | None, Field]:
+    """Return the pictures of a drive or walk, their number if it is known, and the field.
+
+    `walk`, a folder with ``amsterdam_2013`` or of the walk itself, or the folder of a `recording`, replaces the
+    simulated drive by real pictures. `field` is a file for `Field.from_toml`, by default the half field of 2012. Raise
+    a ValueError if a walk is given with one of the others, or if the field is not valid or too small, and a RobotError
+    if the recording is not valid.
     """
+    if recording is not None:
+        if walk is not None:
+            raise ValueError("--recording and --walk are two different drives: give one of them")
+        nao = RecordedNao(recording, Field(2012) if field is None else Field.from_toml(field))
+        return recorded(nao), None, nao.field
     if walk is None:
         own = Field(2012) if field is None else Field.from_toml(field)
         inside(own)

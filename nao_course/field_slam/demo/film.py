@@ -16,7 +16,7 @@ from PIL import Image
 from nao_course._internal.counts import say_count
 from nao_course.field_slam.compass import estimate_body_tilt
 from nao_course.field_slam.demo.drive import Story
-from nao_course.field_slam.demo.report import errors_of, make_folder, results, way_of
+from nao_course.field_slam.demo.report import errors_of, make_folder, results, sigma_of, way_of
 from nao_course.field_slam.lines import read_lines
 from nao_course.field_slam.observation import radius_of, tilted
 from nao_course.films import Film, drive_film, film_page
@@ -62,7 +62,8 @@ def write_all(story: Story, field: Field, folder: Path) -> list[Path]:
 def film_of(story: Story, field: Field) -> Film:
     """Return the drive as a film of numbers, which a browser draws and plays."""
     estimates = {"odometry": _as_estimates(story.odometry), **story.estimates}
-    return drive_film("The robot maps the field by its pictures", field, story.poses, estimates, story.seen)
+    truth = story.poses if story.has_truth else None
+    return drive_film("The robot maps the field by its pictures", field, truth, estimates, story.seen)
 
 
 def _as_estimates(poses: Sequence[Pose]) -> list[Estimate]:
@@ -84,10 +85,13 @@ def draw_story(story: Story, field: Field) -> Drawing:
     _plot_errors(figure.add_subplot(grid[1, :]), story)
     legend_below(figure, _keys(story, names), columns=6)
     at_end = "; ".join(f"{style_of(name).label} {_say_off(story, name, -1)}" for name in names)
+    if story.has_truth:
+        at_end = (
+            f"odometry is {_off(story, 'odometry', -1):.0f} cm off; {at_end}. Below, the errors along the way"
+        )
     return Drawing(
         figure,
-        f"A drive of {way_of(story.poses):.0f} m over the field, {len(story.frames)} pictures. At its end odometry is "
-        f"{_off(story, 'odometry', -1):.0f} cm off; {at_end}. Below, the errors along the way.",
+        f"A drive of {way_of(story.poses):.0f} m over the field, {len(story.frames)} pictures. At its end {at_end}.",
     )
 
 
@@ -132,26 +136,29 @@ def _frames(story: Story, field: Field, chosen: list[int]) -> Iterator[Image.Ima
 def _plot_drive(ax: Axes, story: Story, name: str, number: int) -> None:
     """Plot the true path, the odometry, and the path and map of an algorithm up to a picture, over a field."""
     plot_path(story.odometry[: number + 1], ax, "odometry")
-    plot_path(story.poses[: number + 1], ax, "truth")
+    if story.has_truth:
+        plot_path(story.poses[: number + 1], ax, "truth")
     plot_path([each.pose for each in story.estimates[name][: number + 1]], ax, name, robot=False)
     plot_estimate(story.estimates[name][number], ax, name)
 
 
 def _plot_errors(ax: Axes, story: Story) -> None:
-    """Plot the errors of the position over the distance on a logarithmic axis, and dotted the stated sigmas."""
+    """Plot the known errors of the position over the way on a logarithmic axis, and dotted the stated sigmas."""
     poses = story.poses
     way = [way_of(poses[: number + 1]) for number in range(len(poses))]
     for name in ("odometry", *story.estimates):
         style = style_of(name)
-        errors = [max(_off(story, name, number), MILLIMETRE) for number in range(len(poses))]
-        ax.semilogy(way, errors, color=style.colour, ls="--" if name == "odometry" else "-", lw=1.6)
+        if story.has_truth:
+            errors = [max(_off(story, name, number), MILLIMETRE) for number in range(len(poses))]
+            ax.semilogy(way, errors, color=style.colour, ls="--" if name == "odometry" else "-", lw=1.6)
         if name != "odometry":
-            stated = [100 * np.sqrt(np.trace(each.covariance[:2, :2])) for each in story.estimates[name]]
+            stated = [100 * sigma_of(each) for each in story.estimates[name]]
             ax.semilogy(way, np.maximum(stated, MILLIMETRE), color=style.colour, ls=":", lw=1.4)
     ax.set(xlabel="way (m)", ylabel="position error (cm)", xlim=(0, max(way[-1], 0.1)))
     ax.yaxis.set_major_formatter("{x:g}")
     ax.grid(alpha=0.3)
-    ax.set_title("error on the way; dotted: standard deviation as stated", fontsize=11)
+    error = "error on the way; " if story.has_truth else ""
+    ax.set_title(f"{error}dotted: standard deviation as stated", fontsize=11)
 
 
 def _plot_detections(ax: Axes, story: Story, field: Field, number: int) -> str:
@@ -183,7 +190,8 @@ def _points(polar: FloatArray) -> FloatArray:
 
 def _keys(story: Story, names: list[str]) -> list[Any]:
     """Return the entries of the legend."""
-    keys = [source_key("truth", "true path"), source_key("odometry")]
+    keys = [source_key("truth", "true path")] if story.has_truth else []
+    keys.append(source_key("odometry"))
     keys += [source_key(name, f"{style_of(name).label}, 95 %") for name in names]
     kinds = {kind for name in names for kind in story.estimates[name][-1].kinds}
     return keys + landmark_keys(kinds, "#4b5563", "mapped")
@@ -196,9 +204,14 @@ def _off(story: Story, name: str, number: int) -> float:
 
 
 def _say_off(story: Story, name: str, number: int) -> str:
-    return f"{_off(story, name, number):.1f} cm off"
+    """Say how far off an algorithm is at a picture, or else what it states."""
+    if story.has_truth:
+        return f"{_off(story, name, number):.1f} cm off"
+    return f"states {100 * sigma_of(story.estimates[name][number]):.1f} cm"
 
 
 def _say_frame(story: Story, name: str, number: int) -> str:
+    if not story.has_truth:
+        return f"{style_of(name).label} {_say_off(story, name, number)}"
     odometry = f"odometry {_off(story, 'odometry', number):.0f} cm off"
     return f"{odometry}, {style_of(name).label} {_off(story, name, number):.1f} cm"

@@ -15,48 +15,60 @@ from nao_course.plotting.style import style_of
 from nao_course.sim import Field
 from nao_course.slam import Estimate
 
-UNITS = "way, position, landmarks_median: m; heading: degrees; times: ms per picture. Errors are those at the end."
+UNITS = (
+    "way, position, sigma, landmarks_median: m; pose: m and rad; heading: degrees; times: ms per picture. "
+    "Errors are those at the end."
+)
 
 
 def results(story: Story, field_: Field) -> dict[str, Any]:
-    """Return all errors and times as values for a JSON file, in m, degrees and milliseconds."""
+    """Return all errors and times as values for a JSON file, in m, degrees and milliseconds.
+
+    Where the truth is not known, the errors are left out.
+    """
     places = np.array([(mark.x, mark.y) for mark in field_.landmarks])
     found: dict[str, Any] = {
         "units": UNITS,
         "pictures": len(story.poses),
         "way": way_of(story.poses),
-        "odometry": errors_of(story.odometry[-1], story.poses[-1]),
         "vision_ms": _milliseconds(story.vision),
     }
+    if story.has_truth:
+        found["odometry"] = errors_of(story.odometry[-1], story.poses[-1])
     for name, estimates in story.estimates.items():
         last = estimates[-1]
         away = np.linalg.norm(last.landmarks[:, None] - places, axis=2)
         found[name] = {
-            **errors_of(last.pose, story.poses[-1]),
-            "nees": _nees(last, story.poses[-1]),
+            "pose": last.pose.as_array().tolist(),
+            "sigma": sigma_of(last),
             "landmarks": len(last.landmarks),
             "landmarks_median": float(np.median(away.min(axis=1))) if len(away) else None,
             "slam_ms": _milliseconds(story.slam[name]),
-            "position_at_each_picture": [
+        }
+        if story.has_truth:
+            found[name] |= errors_of(last.pose, story.poses[-1]) | {"nees": _nees(last, story.poses[-1])}
+            found[name]["position_at_each_picture"] = [
                 round(errors_of(each.pose, true)["position"], 4)
                 for each, true in zip(estimates, story.poses, strict=True)
-            ],
-        }
+            ]
     return found
 
 
 def in_words(story: Story, field_: Field) -> list[str]:
     """Return the errors at the end as text, with a line for odometry and a line for each algorithm."""
     found = results(story, field_)
+    drive = f"{found['pictures']} pictures, {found['way']:.1f} m"
     lines = [
-        f"{found['pictures']} pictures, {found['way']:.1f} m; odometry ends {found['odometry']['position']:.2f} m off"
+        f"{drive}; odometry ends {found['odometry']['position']:.2f} m off" if story.has_truth else drive
     ]
     for name in story.estimates:
         each = found[name]
         spent = found["vision_ms"]["median"] + each["slam_ms"]["median"]
+        off = f"standard deviation {each['sigma']:.3f} m"
+        if story.has_truth:
+            off = f"{each['position']:.3f} m and {each['heading']:.2f} degrees off, NEES {each['nees']:.1f}"
         lines.append(
-            f"{style_of(name).label}: {each['position']:.3f} m and {each['heading']:.2f} degrees off, "
-            f"NEES {each['nees']:.1f}, {each['landmarks']} landmarks, {spent:.0f} ms per picture"
+            f"{style_of(name).label}: {off}, {each['landmarks']} landmarks, {spent:.0f} ms per picture"
         )
     return lines
 
@@ -86,6 +98,11 @@ def errors_of(pose: Pose, true: Pose) -> dict[str, float]:
         "position": float(np.hypot(pose.x - true.x, pose.y - true.y)),
         "heading": float(np.degrees(abs(wrap_angle(pose.theta - true.theta)))),
     }
+
+
+def sigma_of(estimate: Estimate) -> float:
+    """Return the standard deviation of an estimated position, m: the root of the sum of both variances."""
+    return float(np.sqrt(np.trace(estimate.covariance[:2, :2])))
 
 
 def _nees(estimate: Estimate, true: Pose) -> float:

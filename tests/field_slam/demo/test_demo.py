@@ -13,7 +13,8 @@ from nao_course.field_slam.demo import drive, film, report
 from nao_course.field_slam.walk import WalkFrame
 from nao_course.geometry import Pose
 from nao_course.instructor.authoring.plans import load_solution
-from nao_course.sim import NAO_V4, Field, Reality, render
+from nao_course.robot import Recorder
+from nao_course.sim import NAO_V4, Field, Reality, SimulatedNao, render
 from nao_course.slam import DeadReckoning, Motion
 from tests.paths import PROJECT, SOLUTIONS
 
@@ -54,6 +55,32 @@ def test_the_demo_says_how_far_off_it_ends_and_no_picture_is_lost_if_the_camera_
     seen = drive.see_all(FUNCTIONS, (taken.append(frame) or frame for frame in frames()))
     next(seen)
     assert len(taken) == 1
+
+
+def test_a_recording_of_a_real_robot_is_mapped_without_a_truth_and_its_errors_are_left_out(tmp_path):
+    nao = SimulatedNao(rng=1)
+    recorder = Recorder(tmp_path / "drive", nao)
+    for command in (Motion(0.2), Motion(0.0, 0.3), Motion(0.1)):
+        recorder.motion(nao.move(command), nao.odometry)
+        if command.distance:
+            recorder.picture(nao.take_picture("bottom"), nao.head)
+    recorder.picture(nao.take_picture("top"), nao.head)
+    recorder.close()
+    frames, number, field = drive.route(1, recording=tmp_path / "drive")
+    first, second = frames
+    assert number is None and (first.motion, first.pose) == (Motion(0.2), Pose(0.2, 0.0, 0.0))
+    assert second.pose == nao.odometry and second.motion.turn == pytest.approx(0.3)
+    assert not (first.known or first.calibrated)
+    with pytest.raises(ValueError, match="two different drives"):
+        drive.route(1, tmp_path, recording=tmp_path / "drive")
+    story = drive.run_demo(FUNCTIONS, [first, second], ["ekf"])
+    found = report.results(story, field)
+    assert "odometry" not in found and "position" not in found["ekf"] and "nees" not in found["ekf"]
+    assert "off" not in "".join(report.in_words(story, field))
+    film.write_all(story, field, tmp_path / "out")
+    data = json.loads((tmp_path / "out" / "film.json").read_text())
+    assert data["captions"] == ["After 1 picture.", "After 2 pictures."]
+    assert "true path" not in (tmp_path / "out" / "demo.html").read_text()
 
 
 def rendered(number, offset):
