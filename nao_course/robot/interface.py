@@ -76,7 +76,7 @@ class Robot(Protocol):
 
 
 class PlacedNao(Robot):
-    """A robot that somebody has put on a real field: its true pose is not known.
+    """A robot that a person has put on a real field: its true pose is not known.
 
     Parameters
     ----------

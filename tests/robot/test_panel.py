@@ -28,7 +28,7 @@ def go(panel, *presses):
     in_a_loop(scenario)
 
 
-def test_a_real_robot_has_no_truth_and_is_compared_with_what_somebody_measures_until_it_moves():
+def test_a_real_robot_has_no_truth_and_is_compared_with_what_a_person_measures_until_it_moves():
     start = Pose(1.0, 0.5, 0.3)
     with connected(start=start) as (_, nao):
         panel = ControlPanel(nao)

@@ -50,7 +50,7 @@ class Cockpit:
     ``nao.sense()``. `start` is the odometry's origin in the world, by default the true start, without `truth` where a
     real robot was put, else the field frame's origin; `frame`, by default `start`, is the pose in the world of the
     frame that `slam` maps in. The paths and the estimate are in world coordinates, and `walked` is their commanded
-    length, m. `measured` is the pose that somebody has measured where the robot stands, until it moves. `outdated` are
+    length, m. `measured` is the pose that a person has measured where the robot stands, until it moves. `outdated` are
     the cameras whose latest picture is older than the latest motion. An error in the student's code, which is stopped
     after `time_limit` seconds, becomes a message; a command never raises it.
     """

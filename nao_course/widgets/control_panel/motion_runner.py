@@ -165,7 +165,7 @@ class MotionRunner:
 
 
 def _after(steps: Generator[Motion, Motion, None], done: Motion) -> Motion | None:
-    """Return the step after one that was run; None after the last."""
+    """Return the step after a step that was run; None after the last."""
     try:
         return steps.send(done)
     except StopIteration:

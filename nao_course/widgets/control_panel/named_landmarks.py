@@ -28,7 +28,7 @@ class NamedMeasurements(NamedTuple):
 
 
 def start_of(nao: Robot) -> Pose:
-    """Return where a robot's odometry begins in the world: the truth, or what somebody says who has put it there."""
+    """Return where a robot's odometry begins in the world: the truth, or what a person says who has put it there."""
     if isinstance(nao, SimulatedNao):
         return Truth(nao).odometry_start
     return nao.start if isinstance(nao, PlacedNao) else nao.field.pose

@@ -276,7 +276,7 @@ class ControlPanel:
 
     @property
     def measured_pose(self) -> Pose | None:
-        """Pose in the world where somebody has measured the robot, with a tape; None if it has moved since.
+        """Pose in the world where a person has measured the robot, with a tape; None if it has moved since.
 
         Set it to compare the estimate with it: ``panel.measured_pose = Pose(1.2, 0.4, 0.5)``.
         """
