@@ -1,7 +1,8 @@
 """How fast a robot behind the real protocol is: pictures, commands and stops over the loopback address.
 
 ``nao-course robot serve`` runs in a process of its own, as it does for a class. It draws each picture while the client
-waits, so a stored picture of the same size says what the protocol costs.
+waits, so a stored picture of the same size says what the protocol costs. The panel with the solution's labels takes
+pictures from the emulated robot and from a simulated one in its own process.
 """
 
 from __future__ import annotations
@@ -12,11 +13,14 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import chdir
 
 import numpy as np
 
-from benchmarks import Result, Table
-from nao_course.robot import RealNao, RobotError
+from benchmarks import ROOT, Result, Table
+from nao_course.robot import RealNao, Robot, RobotError
+from nao_course.sim import SimulatedNao
+from nao_course.student import my_nao
 
 PICTURES, STOPS = 60, 20
 SIZES = ((320, 240), (640, 480))
@@ -72,6 +76,13 @@ def stop_milliseconds(nao: RealNao) -> float:
     return 1e3 * (ended[0] - began)
 
 
+def panel_milliseconds(nao: Robot) -> list[float]:
+    """Return how long the panel with the solution's labels takes for each picture, ms."""
+    with chdir(ROOT / "solutions"):
+        panel = my_nao(nao, upto="01")
+    return milliseconds(panel.take_picture, PICTURES)
+
+
 def measure(kind: str) -> dict[str, dict[str, float]]:
     """Return median and 95th percentile of each wait, with pictures that are drawn or stored."""
     with socket.socket() as free:
@@ -91,6 +102,9 @@ def measure(kind: str) -> dict[str, dict[str, float]]:
                 if kind == "stored":
                     taken["a command on the wire"] = milliseconds(lambda: nao.head, PICTURES)
                     taken["from stop to the end of a walk"] = [stop_milliseconds(nao) for _ in range(STOPS)]
+                else:
+                    taken["the panel with own labels, emulated"] = panel_milliseconds(nao)
+                    taken["the panel with own labels, simulated"] = panel_milliseconds(SimulatedNao(rng=1))
         finally:
             server.communicate()
     return {
