@@ -267,6 +267,8 @@ def demo(
         story = drive.run_demo(functions, driving, chosen, joint, ground.dimensions)
         for line in report.in_words(story, ground):
             _say(line)
+        if recording is not None:
+            _say(report.keep_calibration(story, out / "cameras.toml"))
         for path in film.write_all(story, ground, out):
             _say(f"wrote {os.path.relpath(path)}")
 

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.geometry import Pose, finite, yaw_pitch_roll
+from nao_course.robot.cameras import read_offsets
 from nao_course.robot.interface import MODELS, PlacedNao, RobotError, motion_between
 from nao_course.robot.naoqi import (
     CAMERAS,
@@ -69,6 +70,8 @@ class RealNao(PlacedNao):
         Generation of the robot.
     start : Pose, optional
         Where it was put, in the world frame; by default on the halfway line, facing the goal.
+    cameras : str or Path, optional
+        File with the offsets of this robot's cameras, which ``nao-course demo --recording`` writes.
     record : str or Path, optional
         Folder for a recording of the drive; see `Recorder`.
     seconds : float
@@ -77,7 +80,7 @@ class RealNao(PlacedNao):
     Raises
     ------
     RobotError
-        If no robot answers, the package ``qi`` is missing, or the model is unknown.
+        If no robot answers, the package ``qi`` is missing, the model is unknown, or a file is not valid.
 
     Examples
     --------
@@ -94,6 +97,7 @@ class RealNao(PlacedNao):
         *,
         model: str = "V6",
         start: Pose | None = None,
+        cameras: str | Path | None = None,
         record: str | Path | None = None,
         seconds: float = 3.0,
     ) -> None:
@@ -101,6 +105,7 @@ class RealNao(PlacedNao):
         if model not in MODELS:
             raise RobotError(f"model must be one of {', '.join(MODELS)}, got {model!r}")
         super().__init__(field, MODELS[model], start)
+        self._offsets = {} if cameras is None else read_offsets(cameras)
         self._naoqi = Naoqi(address, seconds)
         self._identity = f"{OWN_NAME}_{uuid4().hex[:8]}"
         self._subscriptions: dict[tuple[str, tuple[int, int]], str] = {}
@@ -362,8 +367,9 @@ class RealNao(PlacedNao):
         x, y, z = map(float, matrix[:3, 3])
         if z <= 0:
             raise RobotError(f"the camera is {z:.2f} m above the ground by the robot's sensors: is it lying?")
+        lower, rolled = self._offsets.get(camera, (0.0, 0.0))
         upright = self.model.view(camera, size=size)
-        return replace(upright, height=z, yaw=yaw, pitch=pitch, roll=roll, offset=(x, y))
+        return replace(upright, height=z, yaw=yaw, pitch=pitch + lower, roll=roll + rolled, offset=(x, y))
 
     def _pixels(self, camera: str, size: tuple[int, int]) -> npt.NDArray[np.uint8]:
         """Return a camera's picture; if it cannot be had, the camera is subscribed to again next time."""

@@ -47,8 +47,9 @@ class Story:
     """The record of a drive, with one entry for each picture.
 
     Poses are in the field frame; `odometry` follows from the commanded motions alone. The pictures of a stop are used
-    together, in order of their compass. `vision` has the seconds from each picture's pixels to its observation, `slam`
-    the seconds of each algorithm from a stop's observations to its estimate, divided by the number of pictures.
+    together, in order of their compass. `calibration` is the camera's, where it was not calibrated. `vision` has the
+    seconds from each picture's pixels to its observation, `slam` the seconds of each algorithm from a stop's
+    observations to its estimate, divided by the number of pictures.
     """
 
     frames: list[WalkFrame] = field(default_factory=list)
@@ -57,6 +58,7 @@ class Story:
     estimates: dict[str, list[Estimate]] = field(default_factory=dict)
     vision: list[float] = field(default_factory=list)
     slam: dict[str, list[float]] = field(default_factory=dict)
+    calibration: CameraCalibration = field(default_factory=CameraCalibration)
 
     @property
     def poses(self) -> list[Pose]:
@@ -255,7 +257,7 @@ def run_demo(
     """
     story = Story(estimates={name: [] for name in slam}, slam={name: [] for name in slam})
     algorithms: dict[str, SlamAlgorithm] = {}
-    for stop in _stops(see_all(functions, frames, joint=joint, rules=rules)):
+    for stop in _stops(see_all(functions, frames, story.calibration, joint, rules)):
         first = stop[0].frame
         motion = first.motion
         if not algorithms:

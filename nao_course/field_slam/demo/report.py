@@ -12,6 +12,7 @@ import numpy as np
 from nao_course.field_slam.demo.drive import Story
 from nao_course.geometry import Pose, pose_errors, wrap_angle
 from nao_course.plotting.style import style_of
+from nao_course.robot import write_offsets
 from nao_course.sim import Field
 from nao_course.slam import Estimate
 
@@ -71,6 +72,17 @@ def in_words(story: Story, field_: Field) -> list[str]:
             f"{style_of(name).label}: {off}, {each['landmarks']} landmarks, {spent:.0f} ms per picture"
         )
     return lines
+
+
+def keep_calibration(story: Story, path: Path) -> str:
+    """Write what a recorded drive says of its bottom camera, for `RealNao`, and say it in words."""
+    pitch, roll = story.calibration.mean.tolist()
+    lower, sigma = np.degrees([pitch, np.sqrt(story.calibration.covariance[0, 0])])
+    if not story.calibration.is_certain:
+        return "The pictures do not show how its bottom camera is mounted: drive on along lines that cross."
+    write_offsets(path, {"bottom": (pitch, roll)})
+    looks = f"Its bottom camera looks {lower:.1f} ± {sigma:.1f}° lower than its joints report"
+    return f'{looks}: use RealNao(..., cameras="{path.as_posix()}").'
 
 
 def field_in_words(field_: Field) -> list[str]:

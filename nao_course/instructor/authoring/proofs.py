@@ -68,6 +68,7 @@ APART = (
     "instructor/reports/",
     "instructor/similarity/",
     "lab/",
+    "robot/cameras.py",
     "robot/emulated.py",
     "robot/naoqi.py",
     "robot/real.py",
