@@ -67,12 +67,17 @@ def test_a_fall_and_a_lost_robot_become_messages_that_say_what_to_do():
         panel = ControlPanel(nao)
         assert panel.cockpit.message == "Ready. Its battery has 10 %: charge it before the next drive."
         robot.fall()
-        go(panel, "forward")
+        go(panel, "forward", "left", "forward")
         assert panel.cockpit.alarm and panel.cockpit.message.startswith("The robot has fallen")
         assert not panel.driving
         nao.wake_up()
+        before = nao.odometry
         go(panel, "forward")
         assert panel.cockpit.message == "Walk 0.20 m ahead: done."
+        moved = before.inverse() @ nao.odometry
+        assert np.allclose(moved.as_array(), (0.2, 0.0, 0.0), atol=1e-6), (
+            "commands before the fall are forgotten"
+        )
 
 
 def test_the_record_button_keeps_the_drive_and_a_panel_plays_it(tmp_path, monkeypatch):

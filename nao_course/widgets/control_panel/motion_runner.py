@@ -101,10 +101,11 @@ class MotionRunner:
         self._show_status()
 
     async def _go(self, motion: Motion) -> None:
-        """Run a drive as a task, and report its errors."""
+        """Run a drive as a task; after an error it is reported, and nothing waits any longer."""
         try:
             await self._go_on(motion)
         except Exception as error:  # noqa: BLE001 - no caller of a task could catch this
+            self._waiting.clear()
             self.report_panel_error(error)
 
     async def _go_on(self, motion: Motion) -> None:
