@@ -137,11 +137,17 @@ class MutationReport:
 
 
 def mutate(
-    lesson: str, jobs: int = 2, solutions: Path = SOLUTIONS, seeds: Sequence[int] = SEEDS, every: int = 1
+    lesson: str,
+    jobs: int = 2,
+    solutions: Path = SOLUTIONS,
+    seeds: Sequence[int] = SEEDS,
+    every: int = 1,
+    more_seeds: Sequence[int] = MORE_SEEDS,
 ) -> MutationReport:
     """Run the mutants of a solution against the tests, in `jobs` processes, with hidden cases of these seeds.
 
-    `every` n-th mutant is tried, and `every` n-th line that the declarations call right.
+    `every` n-th mutant is tried, and `every` n-th line that the declarations call right; a mutant with such a line must
+    also pass the hidden cases of `more_seeds`.
     """
     name = lesson_name(lesson, solutions)
     plan, functions = load_plan(solutions / "exercises" / f"{name}.py"), reference(name, solutions)
@@ -150,7 +156,7 @@ def mutate(
     with resolved_by(solutions_beside(notebook)):
         tests = {each.name: _tests(each, functions[each.name], seeds) for each in plan.exercises}
         more = {
-            each.name: _tests(each, functions[each.name], MORE_SEEDS)[0]
+            each.name: _tests(each, functions[each.name], more_seeds)[0]
             for each in plan.exercises
             if each.equivalents
         }

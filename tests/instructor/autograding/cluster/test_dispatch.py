@@ -103,6 +103,7 @@ def test_a_class_has_the_scores_and_pages_of_one_machine_byte_for_byte(
     assert again[0].unchanged == len(found) and again[1:] == local[1:]
 
 
+@pytest.mark.slow
 def test_earlier_work_and_the_reference_go_with_a_submission(graded_here, two_workers, tmp_path):
     made = pair.make_course(tmp_path / "course")
     mine = pair.write(tmp_path / "ada" / "1.ipynb", pair.FIRST)
@@ -129,6 +130,7 @@ def test_a_parcel_has_the_hash_of_what_was_handed_in(tmp_path):
 HERE = Requirement.of_this_machine("process")
 
 
+@pytest.mark.slow
 def test_a_worker_needs_the_same_course_libraries_and_level(two_workers, monkeypatch, tmp_path):
     assert two_workers.requirement.versions == installed(), "the versions that the journal keeps"
     another = replace(HERE, code="another").unfulfilled()
@@ -155,6 +157,7 @@ def test_a_worker_needs_the_level_of_the_grader_or_the_level_that_is_required(mo
     assert replace(HERE, level="process").unfulfilled() == ""
 
 
+@pytest.mark.slow
 def test_a_refused_worker_is_named_with_the_reason_and_gets_nothing(two_workers, course, tmp_path):
     said = []
     stranger = Cluster(two_workers.client, replace(two_workers.requirement, code="another"), said.append)
@@ -176,6 +179,7 @@ def double(x):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux has layers that close the network")
 def test_students_code_cannot_reach_the_scheduler_or_a_worker(two_workers, course, tmp_path):
     need("network namespace")
@@ -249,6 +253,7 @@ def test_a_cluster_without_workers_says_how_to_start_one():
             cluster.wait_for_workers(0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for ports in /proc")
 def test_workers_of_this_machine_listen_to_no_other_machine(two_workers):
     here = psutil.Process()
