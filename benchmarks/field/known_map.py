@@ -4,6 +4,7 @@ References
 ----------
 D. Fox, *Adapting the sample size in particle filters through KLD-sampling*, The International Journal of Robotics
 Research 22, 2003.
+J.-S. Gutmann, D. Fox, *An experimental comparison of localization methods continued*, IROS 2002: the factor FALLEN.
 S. Thrun, W. Burgard, D. Fox, *Probabilistic Robotics*, MIT Press, 2005: section 8.3.7, augmented MCL.
 """
 
@@ -18,6 +19,7 @@ from scipy.stats import chi2, norm
 
 from benchmarks import solution
 from benchmarks.field.detections import LANDMARKS
+from nao_course.field_slam.adaptive_noise import OdometryModel
 from nao_course.field_slam.compass import QUARTER, reading_density, wrap_quarter
 from nao_course.field_slam.drives import OdometryNoisePerMove
 from nao_course.field_slam.observation import Observation, as_observation
@@ -68,10 +70,11 @@ def kld_bound(bins: npt.ArrayLike) -> FloatArray:
 class MonteCarlo(SlamAlgorithm):
     """Augmented Monte Carlo localization on the known map, with as many particles as KLD sampling asks for."""
 
-    def __init__(self, start: Pose, odometry: Any = OdometryNoisePerMove(), least: int = LEAST) -> None:
+    def __init__(self, start: Pose, odometry: OdometryModel | None = None, least: int = LEAST) -> None:
         """Start with all particles at a pose."""
         self.particles = np.tile(start.as_array(), (least, 1))
-        self.odometry, self.least, self.rng = odometry, least, np.random.default_rng(0)
+        self.odometry, self.least = odometry or OdometryNoisePerMove(), least
+        self.rng = np.random.default_rng(0)
         self.slow = self.fast = 0.0
 
     def move(self, motion: Motion) -> None:
