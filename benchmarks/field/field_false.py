@@ -82,7 +82,7 @@ def scores_of(seed: int, rates: Sequence[float] = RATES) -> dict[tuple[float, st
 
 
 def main() -> Result:
-    """Run the drives, and name those that are lost or overconfident."""
+    """Run the drives, and name the lost and the overconfident ones."""
     prepare(FRESH)
     runs = dict(zip(FRESH, in_processes(scores_of, FRESH, "drives with false corners"), strict=True))
     conditions = {f"{rate:g}, {name}": (rate, name) for rate in RATES for name in EVERY}
