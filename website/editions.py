@@ -94,6 +94,7 @@ EDITIONS = {
                 "pictures",
                 "dependencies",
                 "performance",
+                "results",
             ),
             "**With all solutions: for instructors only.** Begin with [the guide](docs/teach_the_course.md).",
         ),
