@@ -21,7 +21,7 @@ LOCK = $(PY) -m uv --no-config pip compile pyproject.toml --universal --python-v
 	--generate-hashes --no-strip-extras --no-emit-index-url --no-emit-find-links --no-header --annotation-style line --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help lab demo test lint test-changed test-quick test-all bench build site bundles lock clean
+.PHONY: help lab demo test lint test-changed test-quick test-slow test-all bench build site bundles lock clean
 .NOTPARALLEL:
 
 help:  ## say what there is
@@ -47,8 +47,10 @@ test-changed: .venv/dev.stamp  ## the tests that mirror the files you have chang
 test-quick: .venv/dev.stamp
 	$(PYTEST) -m "not slow and not browser" $(PYTEST_ARGS)
 
-test-all: lint  ## everything, also the slow tests and the browser: in one run, which collects and starts servers once
-	$(PYTEST) $(PYTEST_ARGS)
+test-slow: .venv/dev.stamp
+	$(PYTEST) -m "slow or browser" $(PYTEST_ARGS)
+
+test-all: test test-slow  ## everything: the quick tier, then the slow tests and the browser
 
 bench: .venv/bench.stamp  ## measure the course against its peers
 	$(PY) -m benchmarks $(BENCH_ARGS)
