@@ -38,10 +38,8 @@ BACK = 0.05  # m: the robot is back if its error is smaller
 RIGHT = (0.15, float(np.radians(10)))  # m and rad: errors up to which a filter counts as right
 PICTURES = 3  # of a stop
 NEVER = 99
-NEAR, SAME = (
-    3.0,
-    0.15,
-)  # m: range at which clutter is counted, and least distance of two things of the same kind
+# m: range within which clutter is counted, and least distance of two things of the same kind
+NEAR, SAME = 3.0, 0.15
 
 Stop = Sequence[Seen]
 

@@ -81,7 +81,7 @@ class Candidates:
         probability, which all poses in the area had together.
         """
         corners = np.array(self.area)
-        around = np.stack(np.meshgrid(*np.linspace(*corners, AROUND).T), axis=-1).reshape(-1, 2)
+        around = np.stack(np.meshgrid(*np.linspace(corners[0], corners[1], AROUND).T), axis=-1).reshape(-1, 2)
         with np.errstate(divide="ignore"):
             prior = np.log(self.probabilities + np.eye(1, len(self.probabilities))[0] * added)
         uniform = prior[0] - np.log(4 * np.prod(corners[1] - corners[0]))

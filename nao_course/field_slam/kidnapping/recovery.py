@@ -175,8 +175,9 @@ class KidnapRecovery(SlamAlgorithm):
         likelihood = PositionLikelihood(stop, known, float(mean[2]))
         near = np.hypot(*(likelihood.positions - mean[:2]).T) < NEAR
         starts = np.vstack([mean[:2], likelihood.positions[near]])
+        information = np.asarray(np.linalg.inv(P[:2, :2]), dtype=float)
         evidence = [
-            np.log(share) + likelihood.fit(starts, mean[:2], np.linalg.inv(factor**2 * P[:2, :2]))[2].max()
+            np.log(share) + likelihood.fit(starts, mean[:2], information / factor**2)[2].max()
             for share, factor in ((1 - SLIPS, 1.0), (SLIPS, SLIP_FACTOR))
         ]
         return float(np.log(compass_likelihood(innovation, S)) + logsumexp(evidence))
