@@ -9,6 +9,7 @@ false if the filter without `KidnapRecovery` is right at that stop.
 from __future__ import annotations
 
 import time
+from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -19,8 +20,11 @@ from benchmarks import Result, Table, in_processes
 from benchmarks.field.detections import Seen, detections, prepare
 from benchmarks.field.field_tails import WHOLE
 from benchmarks.field.variants import Read, joint_update, surest_first
+from nao_course.field_slam.drives import YAWS
+from nao_course.field_slam.kidnapping.likelihood import StopView
 from nao_course.field_slam.kidnapping.recovery import TRUSTED, KidnapRecovery
-from nao_course.geometry import wrap_angle
+from nao_course.field_slam.likelihood import CLUTTER, Clutter
+from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.slam import SlamAlgorithm
 
 # Nothing was tuned on these drives. All parameters were tuned on drives 200 to 299.
@@ -34,6 +38,8 @@ BACK = 0.05  # m: the robot is back if its error is smaller
 RIGHT = (0.15, float(np.radians(10)))  # m and rad: errors up to which a filter counts as right
 PICTURES = 3  # of a stop
 NEVER = 99
+# m: range within which clutter is counted, and least distance of two things of the same kind
+NEAR, SAME = 3.0, 0.15
 
 Stop = Sequence[Seen]
 
@@ -48,11 +54,12 @@ class Step:
     alarms: int  # how often it has noticed that it was carried away
     kept: bool  # whether it kept more than one hypothesis
     milliseconds: float  # time of the SLAM algorithm for each of the stop's pictures
+    there: tuple[bool, ...]  # whether it is back after each picture, from the first stop elsewhere on
 
 
 @dataclass(frozen=True)
 class Kidnapping:
-    """The result of one kidnapping; a number of stops is NEVER if it did not happen."""
+    """The result of one kidnapping; a number of stops or pictures is NEVER if it did not happen."""
 
     noticed: int  # number of stops until the robot noticed, at least 1
     back: int  # number of stops from then until the error was smaller than BACK and the robot was not lost
@@ -60,6 +67,7 @@ class Kidnapping:
     end: float
     wrong: int  # number of stops after the alarm at which the robot was sure of a wrong pose
     early: int  # number of alarms before the kidnapping
+    pictures: int = NEVER  # number of pictures until it was back, at least 1
 
     @property
     def success(self) -> bool:
@@ -84,38 +92,44 @@ def spliced(seed: int, other: int) -> tuple[list[Stop], int]:
     return [*drive[:first], *second[int(rng.choice(far)) :]], first
 
 
-def steps(slam: SlamAlgorithm, stops: Sequence[Stop]) -> list[Step]:
-    """Run an algorithm over some stops."""
+def steps(slam: SlamAlgorithm, stops: Sequence[Stop], first: int = NEVER) -> list[Step]:
+    """Run an algorithm over some stops, and ask for its estimate after each picture from the first one's on."""
     found, rng = [], np.random.default_rng(0)
-    for stop in stops:
+    for number, stop in enumerate(stops):
         pose, observations = stop[0].pose, [WHOLE(Read.of(seen), rng) for seen in stop]
+        recovery, there = slam if isinstance(slam, KidnapRecovery) else None, []
         began = time.thread_time()
         if stop[0].motion is not None:
             slam.move(stop[0].motion)
         for each in observations:
             slam.observe(each)
+            if recovery and number >= first:
+                estimate = slam.estimate().pose
+                near = bool(np.hypot(estimate.x - pose.x, estimate.y - pose.y) < BACK)
+                there.append(near and not recovery.lost and recovery.kidnappings > 0)
         estimate = slam.estimate().pose
         took = 1000 * (time.thread_time() - began) / PICTURES
         error = float(np.hypot(estimate.x - pose.x, estimate.y - pose.y))
         turned = float(abs(wrap_angle(estimate.theta - pose.theta)))
-        recovery = slam if isinstance(slam, KidnapRecovery) else None
         lost, alarms = (recovery.lost, recovery.kidnappings) if recovery else (False, 0)
         kept = recovery is not None and recovery.lost_probability > TRUSTED
-        found.append(Step(error, turned, lost, alarms, kept, took))
+        found.append(Step(error, turned, lost, alarms, kept, took, tuple(there)))
     return found
 
 
 def kidnapped(seeds: tuple[int, int]) -> tuple[Kidnapping, list[Step]]:
     """Carry a robot from one drive into another."""
     stops, first = spliced(*seeds)
-    found = steps(KidnapRecovery(joint_update(stops[0][0].pose)), stops)
+    found = steps(KidnapRecovery(joint_update(stops[0][0].pose)), stops, first)
     early, there = found[first - 1].alarms, found[first:]
     noticed = _first(there, lambda step: step.alarms > early)
     after = there[noticed:]
     back = _first(after, lambda step: not step.lost and step.error < BACK)
+    right = [each for step in there for each in step.there]
+    pictures = 1 + right.index(True) if True in right else NEVER
     wrong = sum(not step.lost and step.error > RIGHT[0] for step in after)
     last = there[min(noticed + MORE, len(there) - 1)]
-    result = Kidnapping(min(noticed + 1, NEVER), back, last.error, there[-1].error, wrong, early)
+    result = Kidnapping(min(noticed + 1, NEVER), back, last.error, there[-1].error, wrong, early, pictures)
     return result, found
 
 
@@ -131,6 +145,30 @@ def ordinary(seed: int) -> tuple[int, int, list[Step]]:
     return len(alarms), len(false), found
 
 
+def clutter(seed: int) -> dict[Clutter, float]:
+    """Return the density of the measurements of a drive that belong to nothing measured before, per m^2 and per m."""
+    known: dict[tuple[Clutter, int], list[FloatArray]] = defaultdict(list)
+    stops, rng, new = stops_of(seed), np.random.default_rng(0), Counter[Clutter]()
+    for stop in stops:
+        pose, view = stop[0].pose, StopView.of([WHOLE(Read.of(seen), rng) for seen in stop])
+        at = pose.to_parent(view.points)
+        sigmas = np.sqrt(np.trace(view.covariances, axis1=1, axis2=2) / 2)
+        axes, offsets, variances = view.lines_from(pose.theta)
+        lines = offsets[:, None] + np.array([pose.x, pose.y])[axes][:, None]
+        near = np.hypot(*view.points.T) < NEAR
+        measured: list[tuple[Clutter, int, FloatArray, float]] = [
+            (view.kinds[i], 0, at[i], sigmas[i]) for i in np.flatnonzero(near)
+        ]
+        measured += [("line", *each) for each in zip(axes.tolist(), lines, np.sqrt(variances), strict=True)]
+        for kind, axis, place, sigma in measured:
+            before = known[kind, axis]
+            if all(np.linalg.norm(place - other) > max(SAME, 3 * sigma) for other in before):
+                before.append(place)
+                new[kind] += 1
+    area = NEAR**2 * (YAWS[0] + stops[0][0].view.hfov / 2)
+    return {kind: new[kind] / len(stops) / (2 * NEAR if kind == "line" else area) for kind in CLUTTER}
+
+
 def _first(found: Sequence[Step], holds: Callable[[Step], bool]) -> int:
     """Return the number of the first stop at which a condition holds, or NEVER."""
     return next((number for number, step in enumerate(found) if holds(step)), NEVER)
@@ -143,6 +181,7 @@ def main() -> Result:
     carried = in_processes(kidnapped, pairs, "kidnapped")
     left = in_processes(ordinary, ORDINARY, "ordinary")
     every = [step for _, found in carried for step in found] + [step for *_, found in left for step in found]
+    densities = in_processes(clutter, CARRIED, "clutter")
     values: dict[str, Any] = {
         "kidnapped": summary([result for result, _ in carried]),
         "ordinary": {
@@ -151,6 +190,11 @@ def main() -> Result:
             "false alarms": sum(false for _, false, _ in left),
             "off by more than 0.15 m at the end": sum(drive[-1].error > RIGHT[0] for *_, drive in left),
         },
+        "pictures until it is back": {
+            "median": float(np.median([result.pictures for result, _ in carried])),
+            "95 %": float(np.quantile([result.pictures for result, _ in carried], 0.95)),
+        },
+        "clutter": {kind: float(np.mean([each[kind] for each in densities])) for kind in CLUTTER},
         "ms a picture": {
             "with hypotheses": _times([step for step in every if step.kept]),
             "without": _times([step for step in every if not step.kept]),
@@ -159,6 +203,8 @@ def main() -> Result:
     }
     tables = (
         Table.of("carried away once", {each: {"": value} for each, value in values["kidnapped"].items()}),
+        Table.of("pictures until it is back", {"": values["pictures until it is back"]}),
+        Table.of("clutter of a stop, per m^2 and of lines per m", {"": values["clutter"]}),
         Table.of("ordinary drives", {"": values["ordinary"]}),
         Table.of("time of the SLAM algorithm for a picture, ms of one core", values["ms a picture"]),
     )

@@ -50,6 +50,7 @@ SURE = 0.12  # m: a new line is added only where it can be recognised again
 CENTRE_GATE = 4.0  # sigma
 CENTRE_SURE = 0.25  # m: there is one centre circle, so it may be added with less certainty than a line
 UNKNOWN = 100.0  # m^2: variance that a new landmark has before its first update
+EDGE = 0.1  # rad: a landmark that is nearer to the edge of a picture may not be detected
 # The kind that lines and the circle's centre have on the filter's map; estimates leave them out.
 INTERNAL: Final = "internal"
 
@@ -59,12 +60,14 @@ class LineObservation(Observation):
     """An observation with the lines and the centre circle of its picture.
 
     `shared` (2,) is the covariance of pitch and roll with the lines' direction, rad^2. Each of the lines (N, 3) is its
-    visible point (x, y) that is nearest to the robot, m, and its direction, rad, in the robot frame.
+    visible point (x, y) that is nearest to the robot, m, and its direction, rad, in the robot frame. `view` is the
+    smallest and the largest bearing in the picture, rad.
     """
 
     shared: FloatArray = field(default_factory=lambda: np.zeros(2))
     lines: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     circle: Circle | None = None
+    view: tuple[float, float] = (0.0, 0.0)
 
 
 def scene(
@@ -78,9 +81,9 @@ def scene(
     """
     own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
     found = field_lines(lines, tilt, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
-    return LineObservation(
-        **own, shared=tilt.covariance[:2, 2], lines=found, circle=find_circle(lines, level, radius)
-    )
+    view = (level.yaw - level.hfov / 2 + EDGE, level.yaw + level.hfov / 2 - EDGE)
+    circle = find_circle(lines, level, radius)
+    return LineObservation(**own, shared=tilt.covariance[:2, 2], lines=found, circle=circle, view=view)
 
 
 def field_lines(lines: FloatArray, tilt: BodyTilt, level: CameraView) -> FloatArray:

@@ -12,13 +12,12 @@ import numpy.typing as npt
 from nao_course.field_slam.compass import OUTLIERS, QUARTER, reading_density
 from nao_course.field_slam.observation import Observation
 from nao_course.geometry import FloatArray
-from nao_course.slam import LandmarkKind
 
 Part = Literal["compass", "landmarks", "lines"]  # the centre circle belongs to the lines
-# Density of measurements that the map does not explain, because they are false or show something new: landmarks and
-# circles per m^2, lines per m.
-UNEXPLAINED: Mapping[LandmarkKind, float] = {"corner": 0.4, "post": 0.1}
-LINES, CIRCLES = 0.5, 0.1
+Clutter = Literal["corner", "post", "centre", "line"]
+# Density of measurements that belong to nothing on the map, because they are false or show something new: points per
+# m^2, lines per m (`python -m benchmarks kidnapping`).
+CLUTTER: Mapping[Clutter, float] = {"corner": 0.02, "post": 0.006, "centre": 0.002, "line": 0.025}
 IGNORED = 0.3  # factor for measurements that are ignored although the map may explain them
 
 
@@ -86,11 +85,12 @@ def landmark_log_densities(seen: Observation, explained: npt.ArrayLike) -> tuple
     `explained` (k,) says which of the observation's k landmarks were on the map.
     """
     # A square metre at range r covers 1/r of an area in bearing (rad) and range (m).
-    each = np.log([UNEXPLAINED[of.kind] * of.range for of in seen])
+    each = np.log([CLUTTER[of.kind] * of.range for of in seen])
     return float(each[~np.array(explained, dtype=bool)].sum()), float((each + np.log(IGNORED)).sum())
 
 
 def line_log_densities(lines: int, circles: int, lines_known: int, circles_known: int) -> tuple[float, float]:
     """Return the log densities of the lines and circles that the map does not explain, and of all if ignored."""
-    new = (lines - lines_known) * np.log(LINES) + (circles - circles_known) * np.log(CIRCLES)
-    return float(new), float(lines * np.log(IGNORED * LINES) + circles * np.log(IGNORED * CIRCLES))
+    line, circle = np.log((CLUTTER["line"], CLUTTER["centre"]))
+    new = (lines - lines_known) * line + (circles - circles_known) * circle
+    return float(new), float(lines * line + circles * circle + (lines + circles) * np.log(IGNORED))

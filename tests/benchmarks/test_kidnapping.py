@@ -10,7 +10,9 @@ import pytest
 from benchmarks import RESULTS
 from benchmarks.field import kidnapping
 from benchmarks.field.kidnapping import AFTERWARDS, ELSEWHERE, NEVER, Kidnapping, spliced, summary
+from nao_course.field_slam.observation import observation
 from nao_course.geometry import Pose
+from nao_course.slam import Measurement
 
 GOOD = Kidnapping(noticed=1, back=0, error=0.01, end=0.02, wrong=0, early=0)
 
@@ -35,6 +37,20 @@ def test_a_robot_succeeds_if_it_notices_and_is_back_in_time_without_an_alarm_bef
         result = replace(GOOD, **change)
         assert result.success == (change not in wrong)
         assert summary([GOOD, result])["both, and no alarm before"] == 1 + result.success
+
+
+def test_clutter_is_what_was_not_measured_before_and_a_far_thing_is_not_counted(monkeypatch):
+    pose = Pose(1.0, 0.5, 0.7)
+    stop = [SimpleNamespace(pose=pose, view=SimpleNamespace(hfov=1.0))]
+    at = [(1.0, 2.0), (0.5, 2.05), (-0.5, 3.5)]
+    seen = [observation([Measurement(*each, "corner") for each in chosen]) for chosen in (at[:1], at, at[:2])]
+    pictures = iter(seen)
+    monkeypatch.setattr(kidnapping, "stops_of", lambda seed: [stop] * len(seen))
+    monkeypatch.setattr(kidnapping.Read, "of", lambda picture: picture)
+    monkeypatch.setattr(kidnapping, "WHOLE", lambda picture, rng: next(pictures))
+    found = kidnapping.clutter(0)
+    assert found["corner"] == pytest.approx(2 / 3 / (kidnapping.NEAR**2 * 1.3))
+    assert found["post"] == found["centre"] == found["line"] == 0.0
 
 
 def test_the_recorded_robots_notice_and_are_back_and_few_ordinary_drives_raise_an_alarm():

@@ -53,7 +53,7 @@ def test_the_gaussian_log_density_is_scipys_and_densities_integrate_to_what_they
         for r in ranges
     ]
     assert 2 * np.pi * np.trapezoid(of_range, ranges) == pytest.approx(
-        model.UNEXPLAINED["corner"] * np.pi * 2.0**2, rel=1e-3
+        model.CLUTTER["corner"] * np.pi * 2.0**2, rel=1e-3
     )
 
 
@@ -174,7 +174,8 @@ def test_what_is_ignored_counts_whether_or_not_the_map_explains_it_and_without_l
         )
     assert line_log_densities(2, 1, 2, 1)[0] == 0.0 > line_log_densities(2, 1, 1, 1)[0]
     assert compass_log_densities(0.1, float("inf")) == (0.0, 0.0)
-    expected = 2 * np.log(model.IGNORED * model.LINES) + np.log(model.IGNORED * model.CIRCLES)
+    line, circle = (model.IGNORED * model.CLUTTER[kind] for kind in ("line", "centre"))
+    expected = 2 * np.log(line) + np.log(circle)
     assert line_log_densities(2, 1, 2, 1)[1] == pytest.approx(expected)
 
 

@@ -4,17 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp
 
 from nao_course.field_slam.compass import QUARTER, wrap_quarter
 from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, LineObservation
 from nao_course.field_slam.kidnapping import recovery
-from nao_course.field_slam.kidnapping.grid import CELL, PoseGrid, compass_likelihood
-from nao_course.field_slam.kidnapping.likelihood import KnownMap, StopView, log_likelihood
+from nao_course.field_slam.kidnapping.candidates import Candidates, compass_likelihood
+from nao_course.field_slam.kidnapping.likelihood import KnownMap, PositionLikelihood, StopView
 from nao_course.field_slam.kidnapping.recovery import KidnapRecovery
 from nao_course.field_slam.known_shapes.circle import Circle
 from nao_course.field_slam.observation import observation
 from nao_course.field_slam.surest_first import SurestFirst
-from nao_course.geometry import Pose, wrap_angle
+from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.sim import Field
 from nao_course.slam import Measurement, Motion, range_and_bearing
 
@@ -39,8 +40,9 @@ def pictures(pose: Pose, places=PLACES, farthest=4.0):
         bearing, away = range_and_bearing(pose.as_array(), (x, y))
         if abs(bearing) < 1.2 and 0.4 < away < farthest:
             found.append(Measurement(float(bearing), float(away), kind))
-    direction = float(wrap_quarter(-pose.theta))
-    return observation(found, (0.01, 0.01), 0.5, direction, float(np.radians(0.5)))
+    seen = observation(found, (0.01, 0.01), 0.5)
+    direction, sigma = float(wrap_quarter(-pose.theta)), float(np.radians(0.5))
+    return LineObservation(found, seen.covariance, direction, sigma, seen.tilt, view=(-1.2, 1.2))
 
 
 def drive(slam, pose: Pose, stops: int, places=PLACES) -> Pose:
@@ -146,7 +148,7 @@ def test_the_probabilities_of_the_filter_and_of_all_other_poses_add_up_to_one(ma
     for _ in range(8):
         pose = drive(slam, pose, 1)
         belief = slam._after_pictures()
-        assert belief.tracked + belief.grid.total == pytest.approx(1.0)
+        assert belief.tracked + belief.elsewhere.total == pytest.approx(1.0)
     assert slam.kidnappings == 1
 
 
@@ -195,11 +197,11 @@ def test_what_is_mapped_from_a_wrong_pose_does_not_support_that_pose(mapped, mon
     monkeypatch.setattr(recovery, "LOST", 2.0)  # it keeps the filter, which maps everything a second time
     known, compared = len(slam.estimate().landmarks), []
 
-    def spy(stop, on_map, *others):
+    def spy(stop, on_map, heading):
         compared.append(len(on_map.points))
-        return log_likelihood(stop, on_map, *others)
+        return PositionLikelihood(stop, on_map, heading)
 
-    monkeypatch.setattr(recovery, "log_likelihood", spy)
+    monkeypatch.setattr(recovery, "PositionLikelihood", spy)
     drive(slam, CARRIED_TO, 4)
     assert slam.lost_probability > 0.99
     assert len(slam.estimate().landmarks) > known + 2
@@ -231,19 +233,19 @@ def test_the_likelihood_of_a_filter_is_the_average_over_its_gaussian(joint, monk
     inner.state[:3] = pose.as_array() + 1.5 * root[:, 2]
     inner.covariance[:3, :3] = root @ root.T
     stop = StopView.of([pictures(pose)])
-    monkeypatch.setattr(recovery, "SLIPS", 0.0)
+    monkeypatch.setattr(recovery, "SLIPS", 1e-9)
     found = slam._log_likelihood(stop, known)
     density = []
     for x, y, theta in inner.state[:3] + rng.normal(size=(3000, 3)) @ root.T:
         of_compass = compass_likelihood(float(wrap_quarter(stop.heading - theta)), stop.heading_sigma**2)
-        each = log_likelihood(stop, known, theta, np.array([[x, y]]), recovery.SMOOTHING, recovery.HALF_VIEW)
+        each = PositionLikelihood(stop, known, theta).log_likelihood(np.array([[x, y]]))
         density.append(of_compass * np.exp(each[0]))
     assert found == pytest.approx(np.log(np.mean(density)), abs=0.2)
     # A slip of some standard deviations is less unlikely with heavier tails.
     inner.state[1] += 0.2
     monkeypatch.undo()
     with_slips = slam._log_likelihood(stop, known)
-    monkeypatch.setattr(recovery, "SLIPS", 0.0)
+    monkeypatch.setattr(recovery, "SLIPS", 1e-9)
     assert with_slips > slam._log_likelihood(stop, known) + 2.0
 
 
@@ -258,9 +260,9 @@ def test_no_other_position_is_as_likely_as_the_true_one(known, pose):
     stop = StopView.of([pictures(pose)])
     offsets = np.array([(0.0, 0.0), (0.3, 0.0), (0.0, 0.3), (-0.3, 0.0), (0.0, -0.3), (1.0, 1.0)])
     positions = np.array([pose.x, pose.y]) + offsets
-    found = log_likelihood(stop, known, pose.theta, positions, 0.05, 1.2)
+    found = PositionLikelihood(stop, known, pose.theta).log_likelihood(positions)
     assert found.argmax() == 0
-    turned = log_likelihood(stop, known, pose.theta + np.pi, positions[:1], 0.05, 1.2)
+    turned = PositionLikelihood(stop, known, pose.theta + np.pi).log_likelihood(positions[:1])
     assert turned[0] < found[0] - 5
 
 
@@ -268,9 +270,10 @@ def test_a_landmark_that_should_be_seen_and_is_not_makes_a_pose_less_likely(know
     pose = Pose(1.0, 0.4, 0.2)
     whole = pictures(pose)
     there = np.array([[pose.x, pose.y]])
-    with_all = log_likelihood(StopView.of([whole]), known, pose.theta, there, 0.05, 1.2)
-    nothing = log_likelihood(StopView.of([whole.part([])]), known, pose.theta, there, 0.05, 1.2)
-    behind = log_likelihood(StopView.of([whole.part([])]), known, pose.theta, there, 0.05, 0.0)
+    with_all, nothing, behind = (
+        PositionLikelihood(StopView.of([seen]), known, pose.theta).log_likelihood(there)
+        for seen in (whole, whole.part([]), replace(whole.part([]), view=(0.0, 0.0)))
+    )
     assert nothing[0] < behind[0] == 0.0 < with_all[0]
 
 
@@ -286,9 +289,11 @@ def test_a_line_and_the_circle_tell_the_position_across_them():
     known = KnownMap(*centre, np.array([0, 1]), np.array([3.0, 0.2]), np.full(2, 1e-4))
     positions = np.array([(1.3, 0.2), (1.3, 0.6), (1.6, 0.2)])
     only_line = replace(seen, circle=None)
-    there, aside, nearer = log_likelihood(StopView.of([only_line]), known, pose.theta, positions, 0.05, 1.2)
+    there, aside, nearer = PositionLikelihood(StopView.of([only_line]), known, pose.theta).log_likelihood(
+        positions
+    )
     assert there == pytest.approx(aside) and there > nearer + 2
-    found = log_likelihood(StopView.of([seen]), known, pose.theta, positions, 0.05, 1.2)
+    found = PositionLikelihood(StopView.of([seen]), known, pose.theta).log_likelihood(positions)
     assert found[0] > found[1] + 2
 
 
@@ -310,43 +315,83 @@ def test_things_that_two_pictures_show_count_once_and_a_far_compass_not_at_all()
     assert again.heading_sigma == pytest.approx(one.direction_sigma / np.sqrt(2))
 
 
-def on_grid(x: float, y: float, quarter: int, heading: float = 0.0) -> PoseGrid:
-    grid = PoseGrid.empty(AROUND)
-    weights = grid.weights.copy()
-    nearest = np.hypot(*(grid.positions - (x, y)).T).argmin()
-    weights[quarter].ravel()[nearest] = 1.0
-    return replace(grid, weights=weights, heading=heading, heading_sigma=0.01)
+def one(quarter: int = 0, heading: float = 0.3) -> Candidates:
+    return replace(
+        Candidates.none(AROUND), positions=np.array([[0.25, -0.35]]), covariances=1e-4 * np.eye(2)[None],
+        quarters=np.array([quarter]), probabilities=np.array([0.0, 1.0]), heading=heading, heading_sigma=0.01,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("quarter", range(4))
-def test_a_grid_moves_as_the_robot_does(quarter):
-    grid = on_grid(0.25, -0.35, quarter, 0.3)
-    noise = np.diag([0.02, 0.02, 0.05]) ** 2
+def test_a_candidate_moves_as_the_robot_does(quarter):
+    found, noise = one(quarter), np.diag([0.02, 0.01, 0.05]) ** 2
     there = Pose(0.25, -0.35, 0.3 + quarter * QUARTER)
     for motion in (Motion(0.25, 0.4), Motion(0.2, -0.1)):
-        grid, there = grid.moved(motion, noise), there @ motion.as_pose()
-    mean, covariance, _ = grid.best()
-    assert np.allclose(mean[:2], (there.x, there.y), atol=CELL / 4)
-    assert wrap_angle(mean[2] - there.theta) == pytest.approx(0.0, abs=1e-9)
-    assert grid.total == pytest.approx(1.0, abs=0.01)
-    assert covariance[2, 2] > 2 * 0.05**2
+        along = (
+            rotation_2d(there.theta)[:, 0] @ (found.moved(motion, noise).covariances - found.covariances)[0]
+        )
+        assert along @ rotation_2d(there.theta)[:, 0] == pytest.approx(0.02**2)
+        found, there = found.moved(motion, noise), there @ motion.as_pose()
+    assert np.allclose(found.positions[0], (there.x, there.y))
+    assert wrap_angle(found.poses[0, 2] - there.theta) == pytest.approx(0.0, abs=1e-9)
+    assert found.heading_sigma == pytest.approx(np.hypot(0.01, np.sqrt(2) * 0.05))
 
 
-def test_a_compass_that_contradicts_the_grid_makes_it_less_likely_and_compass_likelihoods_average_to_one():
+def test_a_compass_that_contradicts_candidates_makes_them_less_likely_and_compass_likelihoods_average_to_one():
     stop = StopView.of([observation([], direction=-0.1, direction_sigma=0.01)])
-    near, far = (on_grid(0.0, 0.0, 0, heading).aligned(stop) for heading in (0.1, 0.5))
+    near, far = (one(heading=heading).aligned(stop) for heading in (0.1, 0.5))
     assert near.total > 10 > 0.1 > far.total
-    for grid in (near, far):
-        assert grid.heading == pytest.approx(0.1) and grid.heading_sigma == 0.01
-    around = on_grid(0.0, 0.0, 0, QUARTER + 0.08).aligned(stop)  # the compass measures modulo 90 degrees
+    for found in (near, far):
+        assert found.heading == pytest.approx(0.1) and found.heading_sigma == 0.01
+    around = one(heading=QUARTER + 0.08).aligned(stop)  # the compass measures modulo 90 degrees
     assert around.heading == pytest.approx(QUARTER + 0.1)
     angles = np.linspace(-QUARTER / 2, QUARTER / 2, 2001)
     each = [compass_likelihood(float(angle), 0.05**2) for angle in angles]
     assert np.mean(each) == pytest.approx(1.0, abs=1e-3)
     assert compass_likelihood(0.3, float("inf")) == 1.0
-    grid = on_grid(0.0, 0.0, 1).plus_uniform(0.5)
-    assert grid.total == pytest.approx(1.5)
-    assert np.ptp(np.sort(grid.weights.ravel())[:-1]) < 1e-15
+
+
+def map_and_stop(pose: Pose, places, order=slice(None)) -> tuple[KnownMap, StopView]:
+    """Return a map of exactly known places in some order, and the exact view from a pose."""
+    x, y, kinds = zip(*places, strict=True)
+    known = KnownMap(
+        np.column_stack([x, y])[order], np.tile(1e-6 * np.eye(2), (len(places), 1, 1)),
+        tuple(np.array(kinds)[order].tolist()), np.zeros(0, dtype=int), np.zeros(0), np.zeros(0),
+    )  # fmt: skip
+    return known, StopView.of([pictures(pose, places)])
+
+
+def anywhere(known: KnownMap, stop: StopView) -> Candidates:
+    """Return the candidates of a stop if the robot may be anywhere."""
+    found, logs = Candidates.none(AROUND).aligned(stop).updated(stop, known, 1.0)
+    return replace(found, probabilities=np.exp(logs - logsumexp(logs)))
+
+
+@pytest.mark.parametrize("pose", [Pose(-1.5, -1.5, 0.8), Pose(1.6, 1.5, -2.4), Pose(-1.7, 0.3, 0.3)])
+def test_without_noise_the_true_pose_is_a_candidate_and_the_best_and_a_symmetric_map_has_two(pose, rng):
+    known, stop = map_and_stop(pose, SYMMETRIC)
+    assert (
+        np.isclose(PositionLikelihood(stop, known, pose.theta).positions, (pose.x, pose.y)).all(axis=1).any()
+    )
+    found = anywhere(known, stop)
+    assert np.allclose(found.probabilities[1:3], 0.5, atol=1e-3)
+    mirrored = found.positions[:2] * np.where(np.arange(2) == found.quarters[:2].argmin(), 1, -1)[:, None]
+    assert np.allclose(mirrored[0], mirrored[1], atol=1e-4)
+    found = anywhere(*map_and_stop(pose, [*SYMMETRIC, (1.9, -1.9, "post"), (-0.4, 0.2, "corner")]))
+    assert found.probabilities[1] > 0.99
+    assert np.allclose(found.positions[0], (pose.x, pose.y), atol=1e-4)
+    assert wrap_angle(found.poses[0, 2] - pose.theta) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_order_of_landmarks_changes_no_candidate(rng):
+    found, again = (
+        anywhere(*map_and_stop(Pose(-1.5, -1.5, 0.8), PLACES, order))
+        for order in (np.arange(len(PLACES)), rng.permutation(len(PLACES)))
+    )
+    clear = int((found.probabilities[1:] > 1e-9).sum())
+    assert clear > 1
+    assert np.allclose(again.probabilities[: 1 + clear], found.probabilities[: 1 + clear])
+    assert np.allclose(again.poses[:clear], found.poses[:clear])
 
 
 def test_a_filter_that_is_placed_keeps_its_map_which_is_its_points_and_lines(joint):

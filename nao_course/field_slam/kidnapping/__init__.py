@@ -1,3 +1,3 @@
-"""Recovery of a robot that is carried away: the likelihood of a stop, a grid of poses, and a wrapper that uses both."""
+"""Recovery of a robot that is carried away: the likelihood of a stop, candidate poses, and a wrapper that uses both."""
 
-__all__ = ["grid", "likelihood", "recovery"]
+__all__ = ["candidates", "likelihood", "recovery"]

@@ -22,14 +22,12 @@ from nao_course.field_slam.joint_update import (
     JointUpdate,
     LineObservation,
 )
+from nao_course.field_slam.likelihood import CLUTTER
 from nao_course.field_slam.observation import Observation, picture_covariance, values_of
 from nao_course.geometry import FloatArray, rotation_2d, wrap_angle
 from nao_course.slam import LandmarkKind, Measurement
 
 PointKind = LandmarkKind | Literal["centre"]
-# Measurements that belong to nothing on the map: points per m^2, lines per m.
-CLUTTER: dict[PointKind, float] = {"corner": 0.05, "post": 0.03, "centre": 0.03}
-LINE_CLUTTER = 0.15
 # m: ranges at which a landmark of the map is nearly always detected. The centre is detected by its circle, so never.
 VISIBLE: dict[PointKind, tuple[float, float]] = {
     "corner": (1.2, 2.5),
@@ -38,9 +36,12 @@ VISIBLE: dict[PointKind, tuple[float, float]] = {
 }
 DETECTED, ELSEWHERE = 0.9, 0.4  # probability of detection at these ranges, and at others
 LINE_DETECTED = 0.5
+MAP_SIGMA = 0.05  # m: is added to a match, because an error of the map is the same at all stops
 WELL_KNOWN = 0.06  # m: a landmark with a larger standard deviation may not exist, so it is not missed
 # m: measurements of two pictures of a stop that are nearer than this belong to the same thing.
 SAME_POINT, SAME_LINE = 0.3, 0.25
+LEAST_INFORMATION = 1e-2 * np.eye(2)  # 1/m^2: where nothing is matched
+STEPS = 6  # of expectation maximisation
 COMPASS_GATE = 4.0  # standard deviations, between the compasses of two pictures
 
 
@@ -50,7 +51,8 @@ class StopView:
 
     The heading from the compass is known modulo 90 degrees, rad, and its standard deviation is infinite without a
     compass. Points (k, 2) with covariances (k, 2, 2) are corners, posts and the circle's centre; each line has a point
-    (m, 2) with covariance (m, 2, 2) and a direction (m,). All are in the robot frame, in m, m^2 and rad.
+    (m, 2) with covariance (m, 2, 2) and a direction (m,). All are in the robot frame, in m, m^2 and rad. Each of the
+    views (p, 2) is the smallest and the largest bearing in a picture, rad.
     """
 
     heading: float
@@ -61,6 +63,7 @@ class StopView:
     lines: FloatArray
     line_covariances: FloatArray
     directions: FloatArray
+    views: FloatArray
 
     @classmethod
     def of(cls, pictures: Sequence[Observation]) -> StopView:
@@ -68,6 +71,7 @@ class StopView:
         heading, sigma = _heading(pictures)
         points, covariances, kinds = [np.zeros((0, 2))], [np.zeros((0, 2, 2))], list[PointKind]()
         lines, line_covariances, directions = [np.zeros((0, 2))], [np.zeros((0, 2, 2))], [np.zeros(0)]
+        views = np.array([each.view for each in pictures if isinstance(each, LineObservation)]).reshape(-1, 2)
         for seen in pictures:
             k = len(seen)
             own = seen.covariance.reshape(k, 2, k, 2)[np.arange(k), :, np.arange(k)]
@@ -91,7 +95,7 @@ class StopView:
             directions.append(seen.lines[:, 2])
         found = cls(
             heading, sigma, np.vstack(points), np.vstack(covariances), tuple(kinds),
-            np.vstack(lines), np.vstack(line_covariances), np.concatenate(directions),
+            np.vstack(lines), np.vstack(line_covariances), np.concatenate(directions), views,
         )  # fmt: skip
         return found._without_duplicates()
 
@@ -109,7 +113,7 @@ class StopView:
         return StopView(
             self.heading, self.heading_sigma, self.points[kept], self.covariances[kept],
             tuple(self.kinds[i] for i in kept),
-            self.lines[lines], self.line_covariances[lines], self.directions[lines],
+            self.lines[lines], self.line_covariances[lines], self.directions[lines], self.views,
         )  # fmt: skip
 
     def lines_from(self, heading: float) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
@@ -160,61 +164,97 @@ class KnownMap:
         )  # fmt: skip
 
 
-def log_likelihood(
-    stop: StopView, known: KnownMap, heading: float, positions: FloatArray, smoothing: float, half_view: float
-) -> FloatArray:
-    """Return the log-likelihoods (N,) of a stop at positions (N, 2), relative to a stop with nothing but clutter.
+class PositionLikelihood:
+    """The likelihood of a stop at positions of the robot, for one heading (rad, map frame).
 
-    Positions (m) and heading (rad) are in the map frame. The likelihood is averaged over the position with the standard
-    deviation `smoothing`, m; `half_view` is the largest bearing at which pictures of a stop show a landmark, rad.
+    Each measurement and each thing on the map that it may belong to put the robot at one position, in closed form, with
+    a Gaussian error; a line leaves the position along it free. The likelihood is relative to a stop with nothing but
+    clutter.
     """
-    return _of_points(stop, known, heading, positions, smoothing, half_view) + _of_lines(
-        stop, known, heading, positions, smoothing
-    )
+
+    def __init__(self, stop: StopView, known: KnownMap, heading: float) -> None:
+        """Match all measurements of a stop with everything on the map that is of the same kind."""
+        self._stop, self._known, self._heading = stop, known, heading
+        R, of_points = rotation_2d(heading), len(stop.points)
+        offset = stop.points @ R.T
+        aside = stop.heading_sigma * offset[:, ::-1] * (-1, 1) if of_points else offset
+        own = R @ stop.covariances @ R.T + aside[:, :, None] * aside[:, None]
+        point, self._landmark = np.nonzero(
+            np.equal.outer(np.array(stop.kinds, str), np.array(known.kinds, str))
+        )
+        S = own[point] + known.covariances[self._landmark] + MAP_SIGMA**2 * np.eye(2)
+        self.positions = known.points[self._landmark] - offset[point]
+        clutter = np.array([CLUTTER[stop.kinds[i]] for i in point])
+        axes, places, variances = stop.lines_from(heading)
+        line, known_line = np.nonzero(np.equal.outer(axes, known.axes))
+        variance = variances[line] + known.variances[known_line] + MAP_SIGMA**2
+        across = np.eye(2)[axes[line]]
+        self._at = np.vstack([self.positions, across * (known.places[known_line] - places[line])[:, None]])
+        self._information = np.concatenate(
+            [np.linalg.inv(S), across[:, :, None] * across[:, None] / variance[:, None, None]]
+        )
+        of_line = LINE_DETECTED / (1 - LINE_DETECTED) / CLUTTER["line"]
+        self._scale = np.append(
+            1 / (2 * np.pi * np.sqrt(np.linalg.det(S)) * clutter), of_line / np.sqrt(2 * np.pi * variance)
+        )
+        self._owner = np.eye(of_points + len(axes))[np.append(point, of_points + line)]
+
+    def log_likelihood(self, positions: FloatArray) -> FloatArray:
+        """Return the log-likelihoods (N,) at positions (N, 2), m, map frame."""
+        return np.log1p(self._matches(positions) @ self._owner).sum(axis=1) + self.missed(positions)
+
+    def missed(self, positions: FloatArray) -> FloatArray:
+        """Return the log-likelihoods (N,) at positions (N, 2) of the landmarks that should be in view."""
+        offset = self._known.points - positions[:, None]
+        bearing = wrap_angle(np.arctan2(offset[..., 1], offset[..., 0]) - self._heading)[..., None]
+        seen = ((bearing > self._stop.views[:, 0]) & (bearing < self._stop.views[:, 1])).any(axis=-1)
+        exists = np.trace(self._known.covariances, axis1=1, axis2=2) < 2 * WELL_KNOWN**2
+        return np.log1p(-DETECTED) * (self._certain(positions) & exists & seen).sum(axis=1)
+
+    def fit(
+        self, positions: FloatArray, mean: FloatArray | None = None, information: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the local maxima (N, 2) near positions (N, 2), their information (N, 2, 2), and evidence (N,).
+
+        The maxima are found by expectation maximisation. The evidence is the logarithm of the likelihood's integral
+        near the maximum, by Laplace's approximation. Positions may have Gaussian priors with means (N, 2) or (2,) and
+        information matrices (N, 2, 2) or (2, 2), 1/m^2. Otherwise the prior is 1 everywhere, and the integral is in
+        m^2.
+        """
+        prior = np.zeros((2, 2)) if information is None else information
+        mean = positions if mean is None else mean
+        for _ in range(STEPS):
+            matches = self._matches(positions)
+            weights = matches / (1 + matches @ self._owner @ self._owner.T)
+            found = prior + LEAST_INFORMATION + np.tensordot(weights, self._information, 1)
+            pull = weights @ np.einsum("pij,pj->pi", self._information, self._at)
+            pull += np.einsum("...ij,...j->...i", prior, mean) + positions @ LEAST_INFORMATION
+            positions = np.linalg.solve(found, pull[..., None])[..., 0]
+        evidence = self.log_likelihood(positions) - gaussian_log_densities(np.zeros(2), found)
+        if information is not None:
+            evidence = evidence + gaussian_log_densities(positions - mean, prior)
+        return positions, found, evidence
+
+    def _matches(self, positions: FloatArray) -> FloatArray:
+        """Return the likelihood of each match relative to clutter, shape (N, matches)."""
+        residual = positions[:, None] - self._at
+        square = np.einsum("npi,pij,npj->np", residual, self._information, residual)
+        matches = self._scale * np.exp(-0.5 * square)
+        odds = np.where(self._certain(positions), DETECTED / (1 - DETECTED), ELSEWHERE / (1 - ELSEWHERE))
+        matches[:, : len(self._landmark)] *= odds[:, self._landmark]
+        return matches
+
+    def _certain(self, positions: FloatArray) -> npt.NDArray[np.bool_]:
+        """Return which landmarks (N, n) are at a range at which they are nearly always detected."""
+        distance = np.linalg.norm(self._known.points - positions[:, None], axis=-1)
+        nearest, farthest = np.array([VISIBLE[kind] for kind in self._known.kinds]).reshape(-1, 2).T
+        return (distance > nearest) & (distance < farthest)
 
 
-def _of_points(
-    stop: StopView, known: KnownMap, heading: float, positions: FloatArray, smoothing: float, half_view: float
-) -> FloatArray:
-    """Return the part of the log-likelihood (N,) that corners, posts and the circle's centre contribute."""
-    R = rotation_2d(heading)
-    offset = known.points - positions[:, None]  # (N, n, 2)
-    distance = np.hypot(offset[..., 0], offset[..., 1])
-    nearest, farthest = np.array([VISIBLE[kind] for kind in known.kinds]).reshape(-1, 2).T
-    certain = (distance > nearest) & (distance < farthest)
-    bearing = wrap_angle(np.arctan2(offset[..., 1], offset[..., 0]) - heading)
-    exists = np.trace(known.covariances, axis1=1, axis2=2) < 2 * WELL_KNOWN**2
-    missed = certain & exists & (np.abs(bearing) < half_view)
-    total = np.log1p(-DETECTED) * missed.sum(axis=1)
-    odds = np.where(certain, DETECTED / (1 - DETECTED), ELSEWHERE / (1 - ELSEWHERE))
-    for point, covariance, kind in zip(stop.points, stop.covariances, stop.kinds, strict=True):
-        same = np.flatnonzero([each == kind for each in known.kinds])
-        if not len(same):
-            continue
-        x, y = R @ point
-        aside = stop.heading_sigma * np.array([-y, x])
-        S = known.covariances[same] + R @ covariance @ R.T + np.outer(aside, aside) + smoothing**2 * np.eye(2)
-        a, b, d = S[:, 0, 0], S[:, 0, 1], S[:, 1, 1]
-        determinant = a * d - b**2
-        u, v = offset[:, same, 0] - x, offset[:, same, 1] - y
-        square = (d * u**2 - 2 * b * u * v + a * v**2) / determinant
-        density = np.exp(-0.5 * square) / (2 * np.pi * np.sqrt(determinant))
-        total = total + np.log1p((odds[:, same] * density).sum(axis=1) / CLUTTER[kind])
-    return np.asarray(total)
-
-
-def _of_lines(
-    stop: StopView, known: KnownMap, heading: float, positions: FloatArray, smoothing: float
-) -> FloatArray:
-    """Return the part of the log-likelihood (N,) that lines contribute."""
-    total = np.zeros(len(positions))
-    for axis, place, variance in zip(*stop.lines_from(heading), strict=True):
-        same = known.axes == axis
-        S = variance + known.variances[same] + smoothing**2
-        residual = known.places[same] - place - positions[:, axis, None]
-        density = np.exp(-0.5 * residual**2 / S) / np.sqrt(2 * np.pi * S)
-        total += np.log1p(LINE_DETECTED / (1 - LINE_DETECTED) * density.sum(axis=1) / LINE_CLUTTER)
-    return total
+def gaussian_log_densities(residuals: FloatArray, information: FloatArray) -> FloatArray:
+    """Return the log densities (...) of residuals (..., 2) with information matrices (..., 2, 2)."""
+    square = np.einsum("...i,...ij,...j->...", residuals, information, residuals)
+    return np.asarray(0.5 * (np.linalg.slogdet(information)[1] - square) - np.log(2 * np.pi))
 
 
 def _heading(pictures: Sequence[Observation]) -> tuple[float, float]:
