@@ -28,8 +28,8 @@ from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.slam import SlamAlgorithm
 
 # Nothing was tuned on these drives. All parameters were tuned on drives 200 to 299.
-ORDINARY = range(1000, 1200)
-CARRIED = range(1000, 1100)
+ORDINARY = range(2000, 2300)
+CARRIED = range(2000, 2100)
 FIRST, LAST = 20, 40  # the robot is carried away after at least and at most this many stops
 ELSEWHERE = 0.5  # m: least distance between the places
 AFTERWARDS = 15  # least number of stops after the robot was carried away
