@@ -101,7 +101,7 @@ class MonteCarlo(SlamAlgorithm):
             self.fast += (FAST if self.fast else 1.0) * (fit - self.fast)
         drawn = self.particles[self.rng.choice(len(weights), MOST, p=weights)]
         drawn = drawn + ROUGH * self.rng.standard_normal(drawn.shape)
-        lost = 1 - FALLEN * self.fast / self.slow if len(seen) else 0.0
+        lost = 1 - FALLEN * self.fast / self.slow if len(seen) and self.slow else 0.0
         anew = self.rng.random(MOST) < lost
         drawn[anew] = self._anywhere(int(anew.sum()), seen)
         _, first = np.unique(np.floor(drawn / BIN), axis=0, return_index=True)
