@@ -36,9 +36,8 @@ BIN, DIVERGENCE, CONFIDENCE = np.array([0.1, 0.1, np.radians(10)]), 0.05, 0.99
 LEAST, MOST = 300, 5000  # particles
 SLOW, FAST = 0.005, 0.1  # rates of the averages of the fit, per picture
 FALLEN = 2.0  # random particles are added if the fast average is so many times smaller than the slow one
-ROUGH = np.array(
-    [0.01, 0.01, np.radians(0.5)]
-)  # m, m and rad: noise of drawn particles, against impoverishment
+# m, m and rad: noise of drawn particles, against impoverishment
+ROUGH = np.array([0.01, 0.01, np.radians(0.5)])
 FALSE = 0.05  # least factor of a measurement, which may be of no landmark
 NEAR = (0.5, 0.5)  # m and rad: the estimate is of the particles so near to the median
 EKF: Any = solution("11")["EkfSlam"]
