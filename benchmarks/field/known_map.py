@@ -36,9 +36,8 @@ BIN, DIVERGENCE, CONFIDENCE = np.array([0.1, 0.1, np.radians(10)]), 0.05, 0.99
 LEAST, MOST = 300, 5000  # particles
 SLOW, FAST = 0.005, 0.1  # rates of the averages of the fit, per picture
 FALLEN = 2.0  # random particles are added if the fast average is so many times smaller than the slow one
-ROUGH = np.array(
-    [0.01, 0.01, np.radians(0.5)]
-)  # m, m and rad: noise of drawn particles, against impoverishment
+# m, m and rad: noise of drawn particles, against impoverishment
+ROUGH = np.array([0.01, 0.01, np.radians(0.5)])
 FALSE = 0.05  # least factor of a measurement, which may be of no landmark
 NEAR = (0.5, 0.5)  # m and rad: the estimate is of the particles so near to the median
 EKF: Any = solution("11")["EkfSlam"]
@@ -101,7 +100,7 @@ class MonteCarlo(SlamAlgorithm):
             self.fast += (FAST if self.fast else 1.0) * (fit - self.fast)
         drawn = self.particles[self.rng.choice(len(weights), MOST, p=weights)]
         drawn = drawn + ROUGH * self.rng.standard_normal(drawn.shape)
-        lost = 1 - FALLEN * self.fast / self.slow if len(seen) else 0.0
+        lost = 1 - FALLEN * self.fast / self.slow if len(seen) and self.slow else 0.0
         anew = self.rng.random(MOST) < lost
         drawn[anew] = self._anywhere(int(anew.sum()), seen)
         _, first = np.unique(np.floor(drawn / BIN), axis=0, return_index=True)

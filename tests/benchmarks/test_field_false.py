@@ -88,3 +88,9 @@ def test_particles_that_are_carried_away_are_drawn_anew_and_find_the_true_pose()
         algorithm.observe(observation(everything(at), direction=-at.theta, direction_sigma=0.01))
     found = algorithm.estimate().pose
     assert np.hypot(found.x - pose.x, found.y - pose.y) < 0.05
+
+
+def test_a_first_picture_that_fits_nothing_leaves_the_particles_where_they_are():
+    algorithm = MonteCarlo(START)
+    algorithm.observe(observation([Measurement(0.0, 0.01, "post")], tilt=(1e-6, 1e-6)))
+    assert algorithm.slow == 0 and algorithm.estimate().pose.x == pytest.approx(START.x, abs=0.01)
