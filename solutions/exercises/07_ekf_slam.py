@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, expm
 from scipy.spatial.distance import mahalanobis
 
 from nao_course.exercises import (
@@ -29,6 +29,7 @@ from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.ekf_slam.evaluation import personal_numbers
 from nao_course.lessons.ekf_slam.filters.repeated_updates import stays_symmetric
+from nao_course.lessons.ekf_slam.invariant import keeps_rotation, rotation_direction
 from nao_course.lessons.ekf_slam.noise import in_one_turn, joint_noise
 
 Array = npt.NDArray[Any]
@@ -1504,8 +1505,172 @@ ADD_LANDMARK = Exercise(
 )
 
 
+# --- 7.8 invariant_update ---
+def _linear_update(state: Array, P: Array, indices: Sequence[int], z: Array, R: Array) -> tuple[Array, Array]:
+    """Return the correction of a textbook's update, and its covariance."""
+    pairs = [(i, measurement_jacobians(state[:3], state[3 + 2 * i : 5 + 2 * i])) for i in indices]
+    H = np.zeros((2 * len(pairs), len(state)))
+    for j, (i, (by_pose, by_landmark)) in enumerate(pairs):
+        H[2 * j : 2 * j + 2, :3], H[2 * j : 2 * j + 2, 3 + 2 * i : 5 + 2 * i] = by_pose, by_landmark
+    innovation = z - np.concatenate([expected(state[:3], state[3 + 2 * i : 5 + 2 * i]) for i in indices])
+    innovation[::2] = wrap_angle(innovation[::2])
+    gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + joint_noise(R, len(pairs)))
+    return gain @ innovation, P - gain @ H @ P
+
+
+def _coordinates(state: Array) -> Array:
+    """Return T, which converts an error on the group to the error of the state."""
+    T = np.eye(len(state))
+    T[:, 2] = rotation_direction(state)
+    return T
+
+
+def _invariant_by_exponential(state: Array, P: Array, indices: Any, z: Array, R: Array) -> Any:
+    correction, P = _linear_update(state, P, indices, z, R)
+    xi = np.linalg.solve(_coordinates(state), correction)
+    size = 2 + (len(state) - 1) // 2
+    algebra, element = np.zeros((size, size)), np.eye(size)
+    algebra[:2, :2] = xi[2] * np.array([[0, -1], [1, 0]])
+    algebra[:2, 2:] = np.delete(xi, 2).reshape(-1, 2).T
+    element[:2, 2:] = np.delete(state, 2).reshape(-1, 2).T
+    moved = np.insert((expm(algebra) @ element)[:2, 2:].T.ravel(), 2, wrap_angle(state[2] + xi[2]))
+    back = np.linalg.inv(_coordinates(state))
+    T = _coordinates(moved)
+    covariance = T @ (back @ P @ back.T) @ T.T
+    return moved, (covariance + covariance.T) / 2
+
+
+def _invariant_by_matrices(state: Array, P: Array, indices: Any, z: Array, R: Array) -> Any:
+    correction, P = _linear_update(state, P, indices, z, R)
+    V = np.sinc(correction[2] / 2 / np.pi) * rotation_2d(correction[2] / 2)
+    shifts = np.delete(correction, 2).reshape(-1, 2) @ V.T
+    moved = shifted(state, np.insert(shifts.ravel(), 2, correction[2]))
+    A = _coordinates(moved) @ np.linalg.inv(_coordinates(state))
+    covariance = A @ P @ A.T
+    return moved, (covariance + covariance.T) / 2
+
+
+def _invariant_by_point(state: Array, P: Array, indices: Any, z: Array, R: Array) -> Any:
+    correction, P = _linear_update(state, P, indices, z, R)
+    turn = correction[2]
+    a, b = math.sin(turn) / turn, (1 - math.cos(turn)) / turn
+    moved, A = shifted(state, correction), np.eye(len(state))
+    for i in (0, *range(3, len(state), 2)):
+        x, y = correction[i : i + 2]
+        dx, dy = a * x - b * y, b * x + a * y
+        moved[i : i + 2] = state[i] + dx, state[i + 1] + dy
+        A[i : i + 2, 2] = -dy, dx
+    covariance = A @ P @ A.T
+    return moved, (covariance + covariance.T) / 2
+
+
+def _turned_case(
+    rng: np.random.Generator, k: int, indices: list[int], name: str = "", turn: float = 0.5
+) -> Case:
+    """Return a case whose update turns the heading by about `turn`."""
+    pose = random_pose(rng)
+    state = np.concatenate([pose, around(rng, pose, k).ravel()])
+    true = state + np.linalg.cholesky(P := random_covariance(rng, len(state))) @ rng.normal(
+        0, 0.5, len(state)
+    )
+    true[2] = state[2] + turn
+    seen = np.concatenate([expected(true[:3], true[3 + 2 * i : 5 + 2 * i]) for i in indices])
+    return Case((state, P, indices, seen, random_covariance(rng, 2, scale=0.06)), name)
+
+
+def _turned_public() -> list[Case]:
+    rng = np.random.default_rng(78)
+    ahead = (np.array([0.0, 0.0, 0.0, 2.0, 0.0]), np.diag([0.01, 0.01, 0.04, 0.03, 0.01]), [0])
+    return [
+        Case(
+            (*ahead, np.array([0.6, 2.0]), np.diag([0.01, 0.01])),
+            "a landmark 2 m ahead of a robot at the origin",
+        ),
+        _turned_case(rng, 1, [0], "one landmark, from elsewhere"),
+        _turned_case(rng, 3, [2, 0], "two of three landmarks", -0.6),
+        _turned_case(rng, 4, [1, 3, 2], "three of four landmarks", 0.8),
+    ]
+
+
+def _turned_hidden(rng: np.random.Generator) -> list[Case]:
+    drawn = ((1, [0], 0.5), (2, [1], -0.7), (3, [2, 0], 0.4), (5, [4, 1, 0], -0.5), (4, [0, 1, 2, 3], 0.8))
+    return [_turned_case(rng, k, indices, turn=turn) for k, indices, turn in drawn]
+
+
+INVARIANT_UPDATE = Exercise(
+    name="invariant_update",
+    points=0,
+    stars=3,
+    uses=("warp2pi", "update_landmarks"),
+    public=_turned_public,
+    hidden=_turned_hidden,
+    comparison=All((Each((Close(atol=1e-7), Close(atol=1e-8)), names=STATE), Property(keeps_rotation))),
+    hints=(
+        "Call update_landmarks first. The difference of both states is the correction; wrap its heading, and leave the heading of the new state as it is. V turns the other corrections by half of the heading's correction and shortens them.",
+        "A is the identity, but its third column also contains N at the new state minus N at the old state: (-dy, dx) for each point that moved by (dx, dy), and 0 for the heading.",
+    ),
+    sibling=Sibling(
+        "A point on a turning wheel moves along an arc, so its first-order displacement has to be turned by half of the angle and shortened: here a point at a radius of 2 m.",
+        """
+        import numpy as np
+
+        radius, angle = 2.0, 0.8
+        tangent = radius * angle  # to first order the point moves straight up
+        chord = tangent * np.sin(angle / 2) / (angle / 2)
+        direction = np.pi / 2 + angle / 2
+        print(np.round([radius + chord * np.cos(direction), chord * np.sin(direction)], 3))
+        print(np.round([radius * np.cos(angle), radius * np.sin(angle)], 3))
+        """,
+        """
+        [1.393 1.435]
+        [1.393 1.435]
+        """,
+    ),
+    mistakes=catalogue("""
+        plain update: + return update_landmarks(state, covariance, indices, measurements, measurement_covariance)
+            You return the result of update_landmarks, which is the usual filter. Apply its correction by equation 7.12, and move its covariance to the new state.
+        covariance not moved: return updated, covariance + (added + added.T) => return updated, covariance
+            Your state is right, but your covariance still belongs to the errors at the old state. Return A P' Aᵀ.
+        points not turned: * np.exp(0.5j * turn) =>
+            You shorten the corrections but do not turn them. V also rotates by half of the heading's correction.
+        whole turn: np.exp(0.5j * turn) => np.exp(1j * turn)
+            You turn the corrections by the heading's whole correction. V rotates by half of it.
+        turned back: np.exp(0.5j * turn) => np.exp(-0.5j * turn)
+            You turn the corrections in the wrong direction. A positive correction of the heading turns points to the left.
+        not shortened: * np.sinc(turn / (2 * np.pi)) =>
+            You turn the corrections but do not shorten them. A chord is shorter than its arc: multiply by sin(a / 2) / (a / 2).
+        NumPy's sinc: np.sinc(turn / (2 * np.pi)) => np.sinc(turn / 2)
+            You shorten the corrections too much. np.sinc(x) is sin(pi x) / (pi x), so divide its argument by pi.
+        V left out: * np.sinc(turn / (2 * np.pi)) * np.exp(0.5j * turn) =>
+            You move the points by the correction of update_landmarks. Multiply the correction of each point by V, because a point moves along an arc.
+        change reversed: 1j * shifts => -1j * shifts
+            The third column of A has the wrong sign. A point that moves by (dx, dy) changes N by (-dy, dx).
+        one side only: covariance + (added + added.T) => covariance + added
+            You multiply by A on one side only. The covariance of A e is A P Aᵀ.
+        variance of the heading left out: covariance[2] + covariance[2, 2] / 2 * change => covariance[2]
+            Your covariance lacks the product of both changes. A P Aᵀ has four terms, and one of them contains the variance of the heading.
+        variance of the heading twice: covariance[2, 2] / 2 * change => covariance[2, 2] * change
+            You count the variance of the heading twice. In A P Aᵀ the product of both changes occurs once.
+    """),
+    alternatives={
+        "the exponential of the group": _invariant_by_exponential,
+        "matrices": _invariant_by_matrices,
+        "point by point": _invariant_by_point,
+    },
+)
+
+
 PLAN = LessonPlan(
-    exercises=[WARP2PI, INIT_LANDMARKS, PREDICT, UPDATE_LANDMARKS, UPDATE, EVALUATE_LANDMARKS, ADD_LANDMARK],
+    exercises=[
+        WARP2PI,
+        INIT_LANDMARKS,
+        PREDICT,
+        UPDATE_LANDMARKS,
+        UPDATE,
+        EVALUATE_LANDMARKS,
+        ADD_LANDMARK,
+        INVARIANT_UPDATE,
+    ],
     questions=[
         Question(
             "which_block",

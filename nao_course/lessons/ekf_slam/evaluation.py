@@ -36,15 +36,6 @@ NIS_REMARKS = {  # by typical predictions of the mean NIS with standard deviatio
 SMALLEST, LARGEST = 0.6, 1.8  # factors of the standard deviations of turns and bearings
 
 
-def first_lines(lines: int = 5) -> str:
-    """Return the first lines of the lesson's own log."""
-    log = own_log()
-    rows = [log.measurements[0]]
-    for control, seen in zip(log.controls, log.measurements[1:], strict=True):
-        rows += [control, seen]
-    return "\n".join("  ".join(f"{value:.2f}" for value in row) for row in rows[:lines])
-
-
 def distances_table(film: FilterFilm, evaluate_landmarks: Function) -> Table:
     """Compare the landmarks of a film with the true ones in a table.
 

@@ -1,5 +1,6 @@
 """A filter's consistency over many drives, and how first estimates change it."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -18,8 +19,10 @@ from nao_course.lessons.ekf_slam.consistency import (
 )
 from nao_course.lessons.ekf_slam.consistency import NOMINAL as NOMINAL_SIGMAS
 from nao_course.lessons.ekf_slam.filters import FirstEstimates
+from nao_course.lessons.ekf_slam.invariant import INVARIANT, LEVELS
 from nao_course.metrics import band
 from nao_course.sim.drives import Sigmas
+from tests.lessons.every import PROJECT, quotes, text
 
 EXACT = Sigmas(0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -111,6 +114,25 @@ def test_the_figure_says_the_means_and_the_band(functions):
     said = draw_consistency(found).alt
     assert all(f"{name} {mean_nees(traces):.2f}" in said for name, traces in found.items())
     assert f"between {low:.2f} and {high:.2f}" in said
+
+
+def test_the_lesson_quotes_the_recorded_means_of_200_drives_at_three_levels():
+    recorded = json.loads((PROJECT / "benchmarks" / "results" / "ekf_consistency.json").read_text("utf-8"))
+    found = recorded["invariant"]
+    low, high = found["band"]
+    plain, first, invariant = (
+        [found[f"{level}, {name}"]["nees"] for level in LEVELS]
+        for name in ("your filter", "first estimates", INVARIANT)
+    )
+    quotes(
+        text("07"),
+        f"{found['runs']} drives (band {low:.2f} to {high:.2f})",
+        "is {:.1f}, {:.1f} and {:.1f}".format(*plain),
+        "have {:.1f}, {:.1f} and {:.0f}".format(*first),
+        "filter {:.1f}, {:.1f} and {:.1f}".format(*invariant),
+        f"alone is {found[f'harsh, {INVARIANT}']['heading']:.2f}",
+    )
+    assert low < invariant[1] < high < 2 * high < plain[1]
 
 
 @pytest.mark.slow

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from nao_course.exercises.checking import grade_public
-from nao_course.geometry import wrap_angle
+from nao_course.geometry import rotation_2d, wrap_angle
+from nao_course.lessons.ekf_slam.invariant import LEVELS, draw_invariant, keeps_rotation, rotation_information
 from nao_course.slam import range_and_bearing
+from tests.lessons import every
 from tests.lessons.every import public_exercise
 
 
@@ -144,6 +147,75 @@ def test_no_measurement_sees_a_rotation_of_everything_if_all_estimates_are_the_s
         assert H[:, 3:] @ [-dy, dx] - [1, 0] == pytest.approx([0, 0], abs=1e-7)
         moved = jacobian_of(lambda values: look(values, [0]), state + [0, 0, 0, 0.2, 0.1])
         assert np.abs(moved @ rotation).max() > 0.01
+
+
+def on_group(state):
+    """Return T, whose third column is the rotation of everything."""
+    points = state[[0, 1, *range(3, len(state))]].reshape(-1, 2)
+    T = np.eye(len(state))
+    T[:, 2] = np.insert((points @ [[0, 1], [-1, 0]]).ravel(), 2, 1.0)
+    return T
+
+
+@pytest.mark.asserts("eq-7-10")
+def test_to_first_order_the_error_on_the_group_is_rotated_into_the_states(rng):
+    state, _ = random_map(rng, 3)
+    points = np.delete(state, 2).reshape(-1, 2)
+
+    def applied(xi):
+        V = np.sinc(xi[2] / (2 * np.pi)) * rotation_2d(xi[2] / 2)
+        moved = points @ rotation_2d(xi[2]).T + np.delete(xi, 2).reshape(-1, 2) @ V.T
+        return np.insert(moved.ravel(), 2, state[2] + xi[2])
+
+    assert np.allclose(jacobian_of(applied, np.zeros(len(state))), on_group(state), atol=1e-8)
+
+
+@pytest.mark.asserts("eq-7-11")
+def test_on_the_group_no_jacobian_of_motion_depends_on_the_estimate_and_no_measurement_sees_the_heading(
+    own, rng
+):
+    for _ in range(5):
+        state, _ = random_map(rng, 2)
+        control = rng.uniform(-1, 1, 2)
+        F = np.eye(len(state))
+        F[:3, :3] = every.own("05")["motion_jacobians"](state[:3], control)[0]
+        moved, P = own["predict"](state, np.eye(7), control, np.zeros((3, 3)), 2)
+        assert np.allclose(np.linalg.solve(on_group(moved), F @ on_group(state)), np.eye(7))
+        assert np.allclose(P, F @ F.T)
+        H = jacobian_of(lambda values: look(values, [0, 1]), state)
+        assert (H @ on_group(state))[:, 2] == pytest.approx(np.zeros(4), abs=1e-7)
+
+
+@pytest.mark.asserts("eq-7-12")
+def test_the_invariant_update_keeps_the_error_on_the_group_and_adds_no_information_on_a_rotation(own, rng):
+    R = np.diag([0.05, 0.1]) ** 2
+    for _ in range(5):
+        state, P = random_map(rng, 3)
+        P = (P + P.T) / 2
+        z = measured(rng, state, [2, 0], 0.3)
+        plain, correct = own["update_landmarks"](state, P, [2, 0], z, R)
+        updated, covariance = own["invariant_update"](state, P, [2, 0], z, R)
+        correction = plain - state
+        correction[2] = wrap_angle(correction[2])
+        xi = np.linalg.solve(on_group(state), correction)
+        algebra, element = np.zeros((6, 6)), np.eye(6)
+        algebra[:2, :2] = xi[2] * np.array([[0, -1], [1, 0]])
+        algebra[:2, 2:] = np.delete(xi, 2).reshape(-1, 2).T
+        element[:2, 2:] = np.delete(state, 2).reshape(-1, 2).T
+        assert np.allclose(np.delete(updated, 2), (expm(algebra) @ element)[:2, 2:].T.ravel())
+        A = on_group(updated) @ np.linalg.inv(on_group(state))
+        assert np.allclose(covariance, A @ correct @ A.T) and np.array_equal(covariance, covariance.T)
+        before, after = rotation_information(state, P), rotation_information(updated, covariance)
+        assert after == pytest.approx(before, rel=1e-7)
+        assert rotation_information(plain, correct) != pytest.approx(before, rel=1e-3)
+        assert "multiplies the information" in keeps_rotation((state, P), {}, (plain, correct))
+        exact = own["invariant_update"](state, P, [2, 0], look(state, [2, 0]), R)[0]
+        assert np.allclose(exact, state)
+
+
+def test_the_invariant_filters_figure_names_the_means_of_three_levels(functions, own):
+    said = draw_invariant(*functions, own["invariant_update"], runs=1).alt
+    assert all(f"{level}: your filter" in said for level in LEVELS) and said.count("invariant filter") == 3
 
 
 def test_a_new_landmarks_covariances_are_those_of_samples(own, rng):

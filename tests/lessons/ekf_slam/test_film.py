@@ -5,7 +5,7 @@ import pytest
 
 from nao_course.lessons.ekf_slam import draw_blocks, draw_loop, last_deviation
 from nao_course.lessons.ekf_slam.blocks import block_steps, changed
-from nao_course.lessons.ekf_slam.evaluation import distances_table, draw_nis, first_lines, mean_nis
+from nao_course.lessons.ekf_slam.evaluation import distances_table, draw_nis, mean_nis
 from nao_course.lessons.ekf_slam.film import (
     CORRELATION,
     between_landmarks,
@@ -14,11 +14,18 @@ from nao_course.lessons.ekf_slam.film import (
     record_film,
     say_frame,
 )
-from nao_course.lessons.ekf_slam.homework_log import OWN_SIGMAS, homework_start, record_pentagon, run_log
+from nao_course.lessons.ekf_slam.homework_log import (
+    OWN_SIGMAS,
+    homework_start,
+    own_log,
+    record_pentagon,
+    run_log,
+)
 from nao_course.lessons.ekf_slam.loop import close_loop, deviations, errors
 from nao_course.lessons.ekf_slam.starts import DRIVES, draw_starts, uncertain_start
 from nao_course.metrics import band
 from nao_course.slam import range_and_bearing
+from tests.lessons.every import quotes, text
 
 
 @pytest.fixture(scope="module")
@@ -72,8 +79,10 @@ def test_the_drawn_robot_looks_where_it_is_heading_and_an_error_names_its_functi
 
 
 def test_the_log_begins_with_measurements_and_nis_and_the_table_are_the_texts(film_functions, film, own):
-    rows = [line.split() for line in first_lines(3).splitlines()]
+    log = own_log()
+    rows = [log.measurements[0], log.controls[0], log.measurements[1]]
     assert [len(row) for row in rows] == [12, 2, 12]
+    quotes(text("07"), *("  ".join(f"{value:.2f}" for value in row) for row in rows))
     assert mean_nis(1.0, *film_functions) == pytest.approx(12.1, abs=0.05)
     assert mean_nis(10.0, *film_functions) == pytest.approx(0.12, abs=0.005)
     assert "12.09 with standard deviations times 1" in draw_nis(*film_functions).alt

@@ -1,0 +1,123 @@
+"""Compare the invariant filter with the student's filter and with first-estimates Jacobians."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from nao_course.exercises import register
+from nao_course.geometry import FloatArray
+from nao_course.lessons.ekf_slam.consistency import COLOURS, NOISY, NOMINAL, FilterTrace, compare, mean_nees
+from nao_course.metrics import band
+from nao_course.plotting import Drawing, course_style
+from nao_course.plotting.legends import legend_below
+from nao_course.sim.drives import Function, Sigmas
+
+INVARIANT = "invariant filter"
+HARSH = Sigmas(0.02, 0.01, float(np.radians(4.0)), float(np.radians(6.5)), 0.02)
+LEVELS: Mapping[str, Sigmas] = {"nominal": NOMINAL, "noisy": NOISY, "harsh": HARSH}
+Traces = Mapping[str, Sequence[FilterTrace]]
+
+
+def rotation_direction(state: FloatArray) -> FloatArray:
+    """Return N (n,), by which a state (n,) changes for each radian that everything rotates about the origin."""
+    points = np.delete(state, 2).reshape(-1, 2)
+    return np.insert(np.column_stack([-points[:, 1], points[:, 0]]).ravel(), 2, 1.0)
+
+
+def rotation_information(state: FloatArray, covariance: FloatArray) -> float:
+    """Return the information of a belief about a rotation of everything, per rad^2."""
+    direction = rotation_direction(state)
+    return float(direction @ np.linalg.pinv(covariance) @ direction)
+
+
+@register
+def keeps_rotation(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
+    """Check that an update adds no information about the rotation of everything."""
+    (before, covariance, *_), (after, updated) = args, answer
+    if np.shape(after) != np.shape(before) or np.shape(updated) != np.shape(covariance):
+        return ""
+    if not np.isfinite(after).all() or not np.isfinite(updated).all():
+        return ""
+    ratio = rotation_information(np.asarray(after), np.asarray(updated))
+    ratio /= rotation_information(before, covariance)
+    if abs(ratio - 1) < 1e-6:
+        return ""
+    return (
+        f"Your update multiplies the information about the rotation N by {ratio:.2f}, but no measurement contains "
+        "information about it. Compute N at the new state for the new covariance"
+    )
+
+
+def compare_invariant(
+    functions: tuple[Function, Function, Function], invariant_update: Function, sigmas: Sigmas, runs: int
+) -> dict[str, list[FilterTrace]]:
+    """Run the student's filter, first estimates, and the invariant filter along the same drives."""
+    predict, _, add_landmark = functions
+    found = compare(*functions, sigmas=sigmas, runs=runs, variants=("your filter", "first estimates"))
+    own = compare(predict, invariant_update, add_landmark, sigmas, runs, variants=("your filter",))
+    return found | {INVARIANT: own["your filter"]}
+
+
+@course_style()
+def draw_invariant(
+    predict: Function,
+    update_landmarks: Function,
+    add_landmark: Function,
+    invariant_update: Function,
+    runs: int = 20,
+) -> Drawing:
+    """Draw the NEES of three filters over time at three levels of noise.
+
+    Parameters
+    ----------
+    predict, update_landmarks, add_landmark, invariant_update : callable
+        The student's functions.
+    runs : int
+        Number of drives at each level; 20 take about ten seconds.
+
+    Returns
+    -------
+    Drawing
+        One plot for each level of noise, with the 95 % band; the text contains every mean.
+
+    Raises
+    ------
+    ValueError
+        If a function returns something of another shape.
+    """
+    functions = (predict, update_landmarks, add_landmark)
+    found = {
+        name: compare_invariant(functions, invariant_update, each, runs) for name, each in LEVELS.items()
+    }
+    return _draw_levels(found, runs)
+
+
+def _draw_levels(found: Mapping[str, Traces], runs: int) -> Drawing:
+    """Draw a plot for each level of noise."""
+    low, high = band(3, runs)
+    figure = Figure(figsize=(9.6, 4.2))
+    words = []
+    for ax, (level, traces) in zip(figure.subplots(1, len(found), sharey=True), found.items(), strict=True):
+        ax.axhspan(low, high, color="#e3e5e8", zorder=1, label="95 % band")
+        for (name, each), line in zip(traces.items(), ("-", "--", "-"), strict=True):
+            nees = np.mean([trace.nees for trace in each], axis=0)
+            colour = COLOURS.get(name, "#c84b00")
+            ax.plot(np.arange(1, len(nees) + 1), nees, line, color=colour, lw=1.8, zorder=3, label=name)
+        means = ", ".join(f"{name} {mean_nees(each):.2f}" for name, each in traces.items())
+        words.append(f"{level}: {means}")
+        turn, bearing = np.degrees([LEVELS[level].turn, LEVELS[level].bearing])
+        ax.set(yscale="log", xlabel="step", title=f"turn {turn:.2g}°, bearing {bearing:.2g}°")
+        ax.set_yticks(ticks := [1, 2, 3, 5, 10, 20, 50, 100], labels=[str(tick) for tick in ticks])
+        ax.minorticks_off()
+    first = figure.axes[0]
+    first.set_ylabel(f"pose NEES, mean of {runs} drives")
+    legend_below(figure, first.get_legend_handles_labels()[0], columns=4)
+    return Drawing(
+        figure,
+        f"Pose NEES by step at three levels of noise, mean of {runs} drives; for a consistent filter it lies between "
+        f"{low:.2f} and {high:.2f}. Mean over all steps: {'; '.join(words)}.",
+    )
