@@ -29,8 +29,8 @@ from nao_course.geometry import Pose, rotation_2d, wrap_angle
 from nao_course.instructor.authoring.mistakes import catalogue
 from nao_course.lessons.ekf_slam.evaluation import personal_numbers
 from nao_course.lessons.ekf_slam.filters.repeated_updates import stays_symmetric
-from nao_course.lessons.ekf_slam.invariant import keeps_rotation, rotation_direction
 from nao_course.lessons.ekf_slam.noise import in_one_turn, joint_noise
+from nao_course.lessons.ekf_slam.rotation import keeps_rotation, rotation_direction
 
 Array = npt.NDArray[Any]
 TURN = 2 * np.pi
@@ -1630,7 +1630,7 @@ INVARIANT_UPDATE = Exercise(
         plain update: + return update_landmarks(state, covariance, indices, measurements, measurement_covariance)
             You return the result of update_landmarks, which is the usual filter. Apply its correction by equation 7.12, and move its covariance to the new state.
         covariance not moved: return updated, covariance + (added + added.T) => return updated, covariance
-            Your state is right, but your covariance still belongs to the errors at the old state. Return A P' Aᵀ.
+            Your state is right, but your covariance still belongs to the errors at the old state. Multiply it by A, and by the transpose of A.
         points not turned: * np.exp(0.5j * turn) =>
             You shorten the corrections but do not turn them. V also rotates by half of the heading's correction.
         whole turn: np.exp(0.5j * turn) => np.exp(1j * turn)

@@ -28,7 +28,8 @@ def test_jupyterlab_is_given_the_courses_settings_and_further_arguments():
     assert arguments[:3] == ["-m", "jupyterlab", "notebooks"] and arguments[-1] == "--no-browser"
     (settings,) = [Path(each.split("=")[1]) for each in arguments if "app_settings_dir" in each]
     disabled = json.loads((settings / "page_config.json").read_text())["disabledExtensions"]
-    assert disabled == {"@jupyter/nbgrader": True}
+    busy_icon = "@jupyterlab/application-extension:faviconbusy"  # it asks the server thrice for each picture
+    assert disabled == {"@jupyter/nbgrader": True, busy_icon: True}
     news = json.loads((settings / "overrides.json").read_text())[
         "@jupyterlab/apputils-extension:notification"
     ]

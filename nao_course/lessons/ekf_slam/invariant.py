@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from nao_course.exercises import register
-from nao_course.geometry import FloatArray
 from nao_course.lessons.ekf_slam.consistency import COLOURS, NOISY, NOMINAL, FilterTrace, compare, mean_nees
 from nao_course.metrics import band
 from nao_course.plotting import Drawing, course_style
@@ -20,36 +17,6 @@ INVARIANT = "invariant filter"
 HARSH = Sigmas(0.02, 0.01, float(np.radians(4.0)), float(np.radians(6.5)), 0.02)
 LEVELS: Mapping[str, Sigmas] = {"nominal": NOMINAL, "noisy": NOISY, "harsh": HARSH}
 Traces = Mapping[str, Sequence[FilterTrace]]
-
-
-def rotation_direction(state: FloatArray) -> FloatArray:
-    """Return N (n,), by which a state (n,) changes for each radian that everything rotates about the origin."""
-    points = np.delete(state, 2).reshape(-1, 2)
-    return np.insert(np.column_stack([-points[:, 1], points[:, 0]]).ravel(), 2, 1.0)
-
-
-def rotation_information(state: FloatArray, covariance: FloatArray) -> float:
-    """Return the information of a belief about a rotation of everything, per rad^2."""
-    direction = rotation_direction(state)
-    return float(direction @ np.linalg.pinv(covariance) @ direction)
-
-
-@register
-def keeps_rotation(args: tuple[Any, ...], kwargs: dict[str, Any], answer: Any) -> str:
-    """Check that an update adds no information about the rotation of everything."""
-    (before, covariance, *_), (after, updated) = args, answer
-    if np.shape(after) != np.shape(before) or np.shape(updated) != np.shape(covariance):
-        return ""
-    if not np.isfinite(after).all() or not np.isfinite(updated).all():
-        return ""
-    ratio = rotation_information(np.asarray(after), np.asarray(updated))
-    ratio /= rotation_information(before, covariance)
-    if abs(ratio - 1) < 1e-6:
-        return ""
-    return (
-        f"Your update multiplies the information about the rotation N by {ratio:.2f}, but no measurement contains "
-        "information about it. Compute N at the new state for the new covariance"
-    )
 
 
 def compare_invariant(

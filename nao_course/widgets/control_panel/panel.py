@@ -70,6 +70,7 @@ class ControlPanel:
 
     Examples
     --------
+    >>> from nao_course.sim import SimulatedNao
     >>> panel = ControlPanel(SimulatedNao(rng=1))
     >>> panel.forward(0.2)
     >>> panel.left(np.radians(15))

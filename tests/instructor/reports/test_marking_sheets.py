@@ -3,6 +3,7 @@
 import codecs
 import csv
 import io
+import unicodedata
 from dataclasses import replace
 from functools import partial
 
@@ -302,7 +303,7 @@ def test_a_file_that_is_no_sheet_is_refused(journal, tmp_path):
 @given(words(), words(), st.integers(0, 8).map(lambda n: n / 4))
 def test_any_name_answer_and_comment_survives_the_round(tmp_path_factory, name, text, points):
     folder = tmp_path_factory.mktemp("round")
-    name = name.encode("utf-8", "replace").decode() or "x"
+    name = unicodedata.normalize("NFC", name.encode("utf-8", "replace").decode()) or "x"  # as it is collected
     with Journal(folder) as kept:
         text = text.encode("utf-8", "replace").decode()
         kept.keep(result(name, answer(text=text)))

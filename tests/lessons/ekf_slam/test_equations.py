@@ -6,7 +6,8 @@ from scipy.linalg import expm
 
 from nao_course.exercises.checking import grade_public
 from nao_course.geometry import rotation_2d, wrap_angle
-from nao_course.lessons.ekf_slam.invariant import LEVELS, draw_invariant, keeps_rotation, rotation_information
+from nao_course.lessons.ekf_slam.invariant import LEVELS, draw_invariant
+from nao_course.lessons.ekf_slam.rotation import keeps_rotation, rotation_information
 from nao_course.slam import range_and_bearing
 from tests.lessons import every
 from tests.lessons.every import public_exercise
