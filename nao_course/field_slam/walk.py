@@ -34,7 +34,8 @@ OUTLIER = (
 class WalkFrame:
     """A picture with the motion before it and the assumed view of the camera; the true pose serves for scores only.
 
-    The motion is commanded or measured by odometry, and None if the robot only turned its head. The pixels (H, W, 3)
+    The motion is commanded or measured by odometry, and None if the robot only turned its head; a robot that moved
+    several times since the picture before has `earlier` motions, too. The pixels (H, W, 3)
     are RGB, the pose is in the field frame, and `farthest` is the largest range of a measurement that is used, m. A
     view that is not `calibrated` has a constant offset in addition to the body's sway. Where the truth is not `known`,
     the pose is odometry's.
@@ -47,6 +48,7 @@ class WalkFrame:
     farthest: float = 6.0
     calibrated: bool = True
     known: bool = True
+    earlier: tuple[Motion, ...] = ()
 
 
 def real_walk(

@@ -11,6 +11,7 @@ from nao_course.robot.interface import RobotError
 from nao_course.sim import NAO_V4
 
 Offset = tuple[float, float]
+LARGEST = 0.5  # rad
 _HEAD = "# How much lower than its joints report a camera looks (pitch), and is rolled to the right (roll); rad.\n"
 
 
@@ -31,10 +32,13 @@ def read_offsets(path: str | Path) -> dict[str, Offset]:
         tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
         if wrong := sorted(tables.keys() - NAO_V4.cameras.keys()):
             raise ValueError(f"there is no camera {wrong[0]}")
-        return {
+        offsets = {
             camera: (finite("pitch (rad)", table["pitch"]), finite("roll (rad)", table["roll"]))
             for camera, table in tables.items()
         }
+        if any(abs(each) > LARGEST for offset in offsets.values() for each in offset):
+            raise ValueError(f"an offset is larger than {LARGEST} rad")
+        return offsets
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise RobotError(
             f"{path} must have a table [bottom] or [top] with pitch and roll in rad ({error})"

@@ -132,9 +132,3 @@ class PlacedNao(Robot):
     def warnings(self) -> tuple[str, ...]:
         """Return what should be known before the next drive."""
         return ()
-
-
-def motion_between(before: Pose, after: Pose) -> Motion:
-    """Return the motion between two poses of the odometry, as distance ahead and turn."""
-    step = before.inverse() @ after
-    return Motion(float(np.hypot(step.x, step.y) * np.sign(step.x or 1.0)), step.theta)

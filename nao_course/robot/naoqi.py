@@ -16,7 +16,14 @@ from nao_course.robot.interface import RobotError
 SECONDS = 3.0  # of a call that takes no time on the robot
 ADDRESS = re.compile(r"tcp://[^\s/:]+:\d{1,5}")
 # What a dead connection says in libqi 3.1.5; all other errors are about the call.
-_LOST = ("Session closed", "Socket is not connected", "Connect error", "disconnected", "Call or Bind error")
+_LOST = (
+    "Service removed",
+    "Session closed",
+    "Socket is not connected",
+    "Connect error",
+    "disconnected",
+    "Call or Bind error",
+)
 NO_QI = (
     'the package "qi" is missing: run  pip install "nao-course[robot]"  with Python 3.11 or 3.12 on Linux (x86-64), or '
     "3.12 on a Mac with Apple silicon; there is no qi for other systems"

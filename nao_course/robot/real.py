@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from nao_course.geometry import Pose, finite, yaw_pitch_roll
 from nao_course.robot.cameras import read_offsets
-from nao_course.robot.interface import MODELS, PlacedNao, RobotError, motion_between
+from nao_course.robot.interface import MODELS, PlacedNao, RobotError
 from nao_course.robot.naoqi import (
     CAMERAS,
     RESOLUTIONS,
@@ -113,7 +113,7 @@ class RealNao(PlacedNao):
         self._moving = threading.Lock()
         self._leaving = threading.Event()
         self._heart: threading.Thread | None = None
-        self._awake = False
+        self._awake = self._closed = False
         self.recorder: Recorder | None = None
         try:
             self._origin = self._robot_position()
@@ -182,15 +182,16 @@ class RealNao(PlacedNao):
             with suppress(RobotError):
                 self._call("ALVideoDevice", "unsubscribe", handle)
         self._subscriptions = {}
-        self._awake = False
+        self._awake, self._closed = False, True
         self._naoqi.close()
         self.record(None)
 
     def record(self, folder: str | Path | None) -> None:
         """Record the drive into a new folder from now on; None ends the recording. See `Recorder`."""
+        new = None if folder is None else Recorder(folder, self)
         if self.recorder is not None:
             self.recorder.close()
-        self.recorder = None if folder is None else Recorder(folder, self)
+        self.recorder = new
 
     def warnings(self) -> tuple[str, ...]:
         """Return what should be known before the next drive: a low battery, hot joints, a fall."""
@@ -222,7 +223,7 @@ class RealNao(PlacedNao):
     def view(self, camera: str = "bottom", size: tuple[int, int] = (320, 240)) -> CameraView:
         """Return a camera's view by the robot's own sensors, with the body tilt that they measure."""
         reply = self._call("ALMotion", "getTransform", *_camera_frame(self.model, camera))
-        return self._measured_view(camera, size, reply)
+        return self._corrected(self._measured_view(camera, size, reply), camera)
 
     # --- commands ---
 
@@ -253,7 +254,7 @@ class RealNao(PlacedNao):
             self._stopping.clear()
             self._refuse_fallen()
             arrived = all(self._run(part) for part in _parts(motion))
-            done = motion if arrived else motion_between(self.odometry, self._here())
+            done = motion if arrived else _between(self.odometry, self._here())
             self._odometry.append(self._here())
         except BaseException:
             with suppress(RobotError):
@@ -301,10 +302,9 @@ class RealNao(PlacedNao):
         except RobotError:  # a robot that was switched off in between does not know the subscription
             pixels = self._pixels(camera, size)
         view = self._measured_view(camera, size, self._call("ALMotion", "getTransform", *frame))
-        picture = Picture(pixels, view, camera)
-        if self.recorder is not None:
-            self.recorder.picture(picture, self.head)
-        return picture
+        if self.recorder is not None:  # without the offset, so that it can be calibrated again
+            self.recorder.picture(Picture(pixels, view, camera), self.head)
+        return Picture(pixels, self._corrected(view, camera), camera)
 
     def stop(self) -> None:
         """Stop at once; a motion that another thread has begun ends."""
@@ -314,6 +314,7 @@ class RealNao(PlacedNao):
     # --- internals ---
 
     def _call(self, service: str, method: str, *args: Any, seconds: float | None = None) -> Any:
+        self._refuse_closed()
         return self._naoqi.call(service, method, *args, seconds=seconds)
 
     def _run(self, part: Motion) -> bool:
@@ -340,7 +341,14 @@ class RealNao(PlacedNao):
             raise RobotError("the robot refuses to walk: is it awake, and are both feet on the ground?")
         return not self._stopping.is_set()
 
+    def _refuse_closed(self) -> None:
+        if self._closed:
+            raise RobotError("this robot is closed: connect to it again with RealNao(...)")
+
     def _refuse_asleep(self) -> None:
+        self._refuse_closed()
+        # A robot that was switched off in between sleeps, and counts its odometry anew.
+        self._awake = self._awake and bool(self._call("ALMotion", "robotIsWakeUp"))
         if not self._awake:
             raise RobotError("the robot sleeps: call wake_up(), with its feet on the ground")
 
@@ -367,9 +375,12 @@ class RealNao(PlacedNao):
         x, y, z = map(float, matrix[:3, 3])
         if z <= 0:
             raise RobotError(f"the camera is {z:.2f} m above the ground by the robot's sensors: is it lying?")
-        lower, rolled = self._offsets.get(camera, (0.0, 0.0))
         upright = self.model.view(camera, size=size)
-        return replace(upright, height=z, yaw=yaw, pitch=pitch + lower, roll=roll + rolled, offset=(x, y))
+        return replace(upright, height=z, yaw=yaw, pitch=pitch, roll=roll, offset=(x, y))
+
+    def _corrected(self, view: CameraView, camera: str) -> CameraView:
+        pitch, roll = self._offsets.get(camera, (0.0, 0.0))
+        return replace(view, pitch=view.pitch + pitch, roll=view.roll + roll)
 
     def _pixels(self, camera: str, size: tuple[int, int]) -> npt.NDArray[np.uint8]:
         """Return a camera's picture; if it cannot be had, the camera is subscribed to again next time."""
@@ -417,7 +428,9 @@ class RealNao(PlacedNao):
         if seen and not seen.startswith(self._identity):
             time.sleep(2.5 * BEAT)
             if self._driver() != seen:
-                raise RobotError("another program drives this robot: close it, or wait until it has finished")
+                raise RobotError(
+                    "another program drives this robot, or an older RealNao of yours: close it, or wait"
+                )
 
     def _driver(self) -> str:
         try:
@@ -442,6 +455,12 @@ def _parts(motion: Motion) -> Iterator[Motion]:
     turns = int(np.ceil(abs(motion.turn) / TURN_PART - 1e-9))
     yield from (Motion(motion.distance / walks, 0.0) for _ in range(walks))
     yield from (Motion(0.0, motion.turn / turns) for _ in range(turns))
+
+
+def _between(before: Pose, after: Pose) -> Motion:
+    """Return the motion between two poses of the odometry, as distance ahead and turn."""
+    step = before.inverse() @ after
+    return Motion(float(np.hypot(step.x, step.y) * np.sign(step.x or 1.0)), step.theta)
 
 
 def _camera_frame(model: NaoModel, camera: str) -> tuple[str, int, bool]:

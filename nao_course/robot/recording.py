@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from nao_course.geometry import Pose
-from nao_course.robot.interface import MODELS, PlacedNao, Robot, RobotError, motion_between
+from nao_course.robot.interface import MODELS, PlacedNao, Robot, RobotError
 from nao_course.sim import NAO_V4, CameraView, Field, Picture
 from nao_course.slam import Motion
 
@@ -188,19 +188,19 @@ class RecordedNao(PlacedNao):
         """Return whether a camera takes a picture before the next motion, or has taken one."""
         return self._next_picture(self.model.check_camera(camera)) is not None
 
-    def play(self, camera: str = "bottom") -> Iterator[tuple[Motion | None, Picture]]:
-        """Yield the remaining pictures of a camera, each with the motion since the one before, if there is one."""
-        before = self.odometry
+    def play(self, camera: str = "bottom") -> Iterator[tuple[tuple[Motion, ...], Picture]]:
+        """Yield the remaining pictures of a camera, each with the motions since the one before."""
+        motions: list[Motion] = []
         while True:
             found = self._next_picture(camera)
             if found is not None and found >= self._place:
                 picture = self.take_picture(camera, CameraView(**self._events[found]["view"]).size)
-                yield (None if self.odometry == before else motion_between(before, self.odometry)), picture
-                before = self.odometry
+                yield tuple(motions), picture
+                motions = []
             elif self.is_over:
                 return
             else:
-                self.move(Motion(0.0))
+                motions.append(self.move(Motion(0.0)))
 
     def stop(self) -> None:
         """Do nothing: a recording does not move by itself."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nao_course.geometry import Pose
-from nao_course.robot import RecordedNao
+from nao_course.robot import RecordedNao, RobotError, write_offsets
 from nao_course.student import my_nao
 from nao_course.widgets import ControlPanel
 from tests.robot.emulated import connected
@@ -38,6 +38,9 @@ def test_a_real_robot_has_no_truth_and_is_compared_with_what_a_person_measures_u
         assert "How far off?  3 cm" in said(panel)
         panel.forward(0.05)
         assert panel.measured_pose is None and "How far off?  –" in said(panel)
+        panel.measured_pose = start
+        nao.walk(0.05)  # past the panel
+        assert panel.measured_pose is None
         with pytest.raises(ValueError, match="must be a Pose"):
             panel.measured_pose = (1.0, 0.5)
         assert panel.run_slam() == () and "make the panel with a function measure" in panel.cockpit.message
@@ -54,11 +57,13 @@ def test_stop_ends_a_real_robots_step_at_once_and_its_buttons_answer_while_it_wa
             assert panel.driving and np.degrees(nao.head[0]) > 8
             began = time.perf_counter()
             press(panel, "stop")
+            press(panel, "left")
             await until_it_stands(panel)
             return time.perf_counter() - began
 
         assert in_a_loop(scenario) < 1.7  # the rest of the step would take longer
         assert panel.cockpit.message == "Stopped." and 0 < nao.odometry.x < 0.05
+        assert not panel._drive.waiting_text(), "nothing is run later that was pressed before it stood"
 
 
 def test_a_fall_and_a_lost_robot_become_messages_that_say_what_to_do():
@@ -116,3 +121,40 @@ def test_my_nao_leaves_out_on_a_real_robot_only_what_the_simulator_measures():
         stages = my_nao(nao)._own._pipeline
         simulated = {name for name, why in stages.missing.items() if "only the simulator measures" in why}
         assert simulated == {"pose", "growing map", "map after the drive"}
+
+
+def test_a_panel_says_that_its_robot_is_lost_and_a_closed_robot_refuses_everything():
+    with connected() as (_, nao):
+        panel = ControlPanel(nao)
+        nao.close()
+        go(panel, "forward")
+        assert panel.cockpit.message == "This robot is closed: connect to it again with RealNao(...)."
+        assert "this robot is closed" in panel.summary().lower()
+        panel.close()
+        for command in (nao.wake_up, nao.take_picture, nao.stop):
+            with pytest.raises(RobotError, match="is closed"):
+                command()
+
+
+def test_a_robot_that_was_switched_off_keeps_its_pose_until_it_wakes_up_again():
+    with connected() as (robot, nao):
+        nao.walk(0.5)
+        here = nao.odometry
+        robot.awake = False
+        with pytest.raises(RobotError, match="sleeps: call wake_up"):
+            nao.walk(0.1)
+        assert nao.odometry == here
+        nao.wake_up()
+        nao.walk(0.1)
+        assert nao.odometry.x == pytest.approx(0.6, abs=1e-6)
+
+
+def test_a_recording_has_views_without_the_offset_and_a_folder_that_is_taken_keeps_the_old_one(tmp_path):
+    path = write_offsets(tmp_path / "robot.toml", {"bottom": (0.2, 0.0)})
+    with connected(cameras=path, record=tmp_path / "drive") as (_, nao):
+        view = nao.take_picture("bottom").view
+        with pytest.raises(RobotError, match="is not empty"):
+            nao.record(tmp_path / "drive")
+        nao.walk(0.1)
+    recorded = RecordedNao(tmp_path / "drive").take_picture("bottom").view
+    assert view.pitch - recorded.pitch == pytest.approx(0.2)

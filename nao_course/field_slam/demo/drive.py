@@ -25,7 +25,7 @@ from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observati
 from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.field_slam.walk import WalkFrame, real_walk
 from nao_course.geometry import FloatArray, Pose
-from nao_course.robot import RecordedNao
+from nao_course.robot import RecordedNao, RobotError
 from nao_course.sim import DIMENSIONS, CameraView, Field, FieldDimensions
 from nao_course.slam import Estimate, SlamAlgorithm
 from nao_course.student.notebooks import own_function
@@ -78,11 +78,28 @@ def simulated(seed: int, moves: int, field: Field | None = None) -> Iterator[Wal
 
 
 def recorded(nao: RecordedNao) -> Iterator[WalkFrame]:
-    """Yield the pictures of the bottom camera in a recording of a real robot, whose camera is not calibrated."""
-    at_home = nao.field.pose.inverse() @ nao.start
-    for motion, picture in nao.play():
-        pose = at_home @ nao.odometry
-        yield WalkFrame(motion, picture.pixels, picture.view, pose, calibrated=False, known=False)
+    """Yield the pictures of the bottom camera in a recording of a real robot, whose camera is not calibrated.
+
+    The drive begins at the first picture. Raise a ValueError if there is none, or a picture cannot be read.
+    """
+    at_home, first = nao.field.pose.inverse() @ nao.start, True
+    try:
+        for motions, picture in nao.play():
+            *earlier, motion = motions if motions and not first else (None,)
+            pose, first = at_home @ nao.odometry, False
+            yield WalkFrame(
+                motion,
+                picture.pixels,
+                picture.view,
+                pose,
+                calibrated=False,
+                known=False,
+                earlier=tuple(earlier),
+            )
+    except RobotError as error:
+        raise ValueError(str(error)) from error
+    if first:
+        raise ValueError(f"the recording {nao.folder} has no picture of the bottom camera")
 
 
 def route(
@@ -92,13 +109,16 @@ def route(
 
     `walk`, a folder with ``amsterdam_2013`` or of the walk itself, or the folder of a `recording`, replaces the
     simulated drive by real pictures. `field` is a file for `Field.from_toml`, by default the half field of 2012. Raise
-    a ValueError if a walk is given with one of the others, or if the field is not valid or too small, and a RobotError
-    if the recording is not valid.
+    a ValueError if a walk is given with one of the others, or if the recording or the field is not valid.
     """
     if recording is not None:
         if walk is not None:
             raise ValueError("--recording and --walk are two different drives: give one of them")
-        nao = RecordedNao(recording, Field(2012) if field is None else Field.from_toml(field))
+        on = Field(2012) if field is None else Field.from_toml(field)
+        try:
+            nao = RecordedNao(recording, on)
+        except RobotError as error:
+            raise ValueError(str(error)) from error
         return recorded(nao), None, nao.field
     if walk is None:
         own = Field(2012) if field is None else Field.from_toml(field)
@@ -259,17 +279,19 @@ def run_demo(
     algorithms: dict[str, SlamAlgorithm] = {}
     for stop in _stops(see_all(functions, frames, story.calibration, joint, rules)):
         first = stop[0].frame
-        motion = first.motion
+        motions = (*first.earlier, *([first.motion] if first.motion else []))
         if not algorithms:
             algorithms = {name: _algorithm(functions, name, first.pose, joint) for name in slam}
         last = story.odometry[-1] if story.odometry else first.pose
-        story.odometry += [last @ motion.as_pose() if motion else last] * len(stop)
+        for motion in motions:
+            last = last @ motion.as_pose()
+        story.odometry += [last] * len(stop)
         story.frames += [each.frame for each in stop]
         story.seen += [each.observation for each in stop]
         story.vision += [each.seconds for each in stop]
         for name, algorithm in algorithms.items():
             began = time.perf_counter()
-            if motion is not None:
+            for motion in motions:
                 algorithm.move(motion)
             for each in stop:
                 algorithm.observe(each.observation)

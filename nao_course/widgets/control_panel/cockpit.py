@@ -86,14 +86,15 @@ class Cockpit:
         self.printed = ""
         self.alarm = False
         self.error: BaseException | None = None
-        self.measured: Pose | None = None
+        self.head = nao.head
+        self._measured_at: tuple[Pose, Pose] | None = None  # the pose, and the odometry there
         self._truths: dict[str, PictureTruth | None] = {}
         for camera in CAMERAS:
             self.photograph(camera)
         self._update_estimate()
         if not self.alarm:
             warnings = nao.warnings() if isinstance(nao, PlacedNao) else ()
-            self.say(" ".join(["Ready.", *(f"{each[:1].upper()}{each[1:]}." for each in warnings)]))
+            self.say(" ".join(["Ready.", *map(_sentence, warnings)]))
 
     # --- commands ---
 
@@ -104,12 +105,21 @@ class Cockpit:
     def note(self, done: Motion) -> bool:
         """Note a step that was run, pass it to `slam`, and return whether the student's code succeeded."""
         self.walked += abs(done.distance)
-        self.measured = None
         self.odometry.append(self.start @ self.nao.odometry)
         self.seen, self.outdated = NOTHING, set(CAMERAS)
         if self.slam is None:
             return True
         return self._try("move", lambda: self._slam.move(done)).done and self._update_estimate()
+
+    @property
+    def measured(self) -> Pose | None:
+        """Pose that a person has measured; None if the robot has moved since."""
+        pose, odometry = self._measured_at or (None, None)
+        return pose if odometry == self.nao.odometry else None
+
+    @measured.setter
+    def measured(self, pose: Pose) -> None:
+        self._measured_at = pose, self.nao.odometry
 
     def is_blocked(self, motion: Motion) -> bool:
         """Return whether the carpet ends before the end of a step: a simulated robot would walk on the spot."""
@@ -127,6 +137,7 @@ class Cockpit:
         limits = (self.nao.model.yaw_limits, self.nao.model.pitch_limits)
         reached = [float(np.clip(angle, *limit)) for angle, limit in zip(target, limits, strict=True)]
         self.nao.look(*reached)
+        self.head = reached[0], reached[1]
         self.seen, self.outdated = NOTHING, set(CAMERAS)
         words = f"yaw {np.degrees(reached[0]):z.0f}°, pitch {np.degrees(reached[1]):z.0f}°"
         limited = not np.allclose(target, reached, atol=1e-6)
@@ -139,7 +150,7 @@ class Cockpit:
             picture = Picture(np.zeros((*LIVE_SIZE[::-1], 3), np.uint8), nao.view(camera), camera)
         else:
             picture = nao.take_picture(camera, size)
-        self.pictures[camera] = picture
+        self.pictures[camera], self.head = picture, nao.head
         self._truths[camera] = None if self.truth is None else self.truth.picture
         self.outdated.discard(camera)
         self.frames += 1
@@ -201,10 +212,7 @@ class Cockpit:
     def complain(self, what: str, error: Exception) -> None:
         """Show an error: the code that raised it and its message."""
         self.error, self.alarm = error, True
-        said = str(error)
-        self.message = (
-            f"{said[:1].upper()}{said[1:]}." if isinstance(error, RobotError) else complaint(what, error)
-        )
+        self.message = _sentence(str(error)) if isinstance(error, RobotError) else complaint(what, error)
 
     def names(self, source: str, pipeline_estimates: bool) -> dict[str, str]:
         """Return the legend's name of each path on the map, by its source."""
@@ -219,7 +227,7 @@ class Cockpit:
 
     def facts(self, show_truth: bool = False) -> list[str]:
         """Return short facts about the poses, the map and the pictures; the true pose only with `show_truth`."""
-        yaw, pitch = np.degrees(self.nao.head)
+        yaw, pitch = np.degrees(self.head)
         facts = [f"odometry {_place(self.odometry[-1])}"]
         if show_truth and self.truth is not None:
             facts.append(f"truth {_place(self.truth.pose)}")
@@ -295,6 +303,10 @@ def _checked(found: object) -> tuple[Measurement, ...]:
         if not isinstance(each, Measurement):
             raise TypeError(f"its list must contain only Measurement, got {type(each).__name__}")
     return seen
+
+
+def _sentence(words: str) -> str:
+    return f"{words[:1].upper()}{words[1:]}{'' if words[-1:] in '.?!' else '.'}"
 
 
 def _place(pose: Pose) -> str:

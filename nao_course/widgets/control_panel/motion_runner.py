@@ -121,6 +121,7 @@ class MotionRunner:
                 await self._until_shown()
                 began = time.perf_counter()
                 if self._stopping:
+                    self._waiting.clear()
                     if not self.closed:
                         self._cockpit.say("Stopped.")
                     self._show_status()

@@ -196,7 +196,7 @@ class Screen:
         world.update(
             truth,
             self.estimate() or cockpit.odometry[-1],
-            head=cockpit.nao.head,
+            head=cockpit.head,
             pictures={
                 each: cockpit.pictures[each].pixels if each == self._camera else nothing for each in CAMERAS
             },

@@ -60,20 +60,22 @@ def test_the_demo_says_how_far_off_it_ends_and_no_picture_is_lost_if_the_camera_
 def test_a_recording_of_a_real_robot_is_mapped_without_a_truth_and_its_errors_are_left_out(tmp_path):
     nao = SimulatedNao(rng=1)
     recorder = Recorder(tmp_path / "drive", nao)
-    for command in (Motion(0.2), Motion(0.0, 0.3), Motion(0.1)):
+    for command in (Motion(0.2), Motion(0.0, 1.5), Motion(0.3), Motion(0.0, -1.5), Motion(0.1)):
         recorder.motion(nao.move(command), nao.odometry)
-        if command.distance:
+        if nao.odometry.x and not command.turn and command.distance != 0.3:
             recorder.picture(nao.take_picture("bottom"), nao.head)
     recorder.picture(nao.take_picture("top"), nao.head)
     recorder.close()
     frames, number, field = drive.route(1, recording=tmp_path / "drive")
     first, second = frames
-    assert number is None and (first.motion, first.pose) == (Motion(0.2), Pose(0.2, 0.0, 0.0))
-    assert second.pose == nao.odometry and second.motion.turn == pytest.approx(0.3)
+    assert number is None and (first.motion, first.pose) == (None, Pose(0.2, 0.0, 0.0))
+    assert second.pose == nao.odometry and second.motion == Motion(0.1) and len(second.earlier) == 3
     assert not (first.known or first.calibrated)
     with pytest.raises(ValueError, match="two different drives"):
         drive.route(1, tmp_path, recording=tmp_path / "drive")
     story = drive.run_demo(FUNCTIONS, [first, second], ["ekf"])
+    assert np.allclose(story.odometry[-1].as_array(), nao.odometry.as_array())
+    assert np.allclose(story.estimates["ekf"][-1].pose.as_array(), nao.odometry.as_array())
     found = report.results(story, field)
     assert "odometry" not in found and "position" not in found["ekf"] and "nees" not in found["ekf"]
     assert "off" not in "".join(report.in_words(story, field))
@@ -81,6 +83,14 @@ def test_a_recording_of_a_real_robot_is_mapped_without_a_truth_and_its_errors_ar
     data = json.loads((tmp_path / "out" / "film.json").read_text())
     assert data["captions"] == ["After 1 picture.", "After 2 pictures."]
     assert "true path" not in (tmp_path / "out" / "demo.html").read_text()
+    (tmp_path / "drive" / "000001.png").unlink()
+    with pytest.raises(ValueError, match="is missing"):
+        list(drive.route(1, recording=tmp_path / "drive")[0])
+    (tmp_path / "drive" / "events.jsonl").write_text("")
+    with pytest.raises(ValueError, match="no picture of the bottom camera"):
+        list(drive.route(1, recording=tmp_path / "drive")[0])
+    with pytest.raises(ValueError, match="is not a recording"):
+        drive.route(1, recording=tmp_path)
 
 
 def rendered(number, offset):

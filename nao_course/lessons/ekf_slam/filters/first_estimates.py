@@ -41,9 +41,9 @@ class FirstEstimates:
         way = moved[:2] - self._first[:2]
         # The same function is called with a drive along this path; the noise stays the robot's own.
         elsewhere = state.copy()
-        elsewhere[2] = np.arctan2(way[1], way[0])
+        elsewhere[2] = ahead = np.arctan2(way[1], way[0])
         turned = np.eye(3)
-        turned[:2, :2] = rotation_2d(state[2] - elsewhere[2])
+        turned[:2, :2] = rotation_2d(state[2] - ahead)
         drive = np.array([np.hypot(*way), control[1]])
         answer = self._predict(elsewhere, covariance, drive, turned @ noise @ turned.T, k)
         self._first[:3] = moved[:3]
