@@ -17,6 +17,7 @@ import scipy.sparse
 from nao_course.codec import encode
 from nao_course.exercises.checking import unpack
 from nao_course.exercises.earlier import EarlierCall
+from nao_course.exercises.exercise import PublicExercise
 from nao_course.exercises.judging import is_unstable
 
 # Each tolerance has beside it the largest difference that the kernels for three kinds of processors made in a lesson.
@@ -56,10 +57,26 @@ def _lessons_alike(there: bytes, built: bytes) -> bool:
     lessons = [unpack(each) for each in (there, built)]
     calls = [[each.earlier for each in lesson.exercises] for lesson in lessons]
     rest = [
-        replace(lesson, exercises=[replace(each, earlier=[]) for each in lesson.exercises])
+        replace(lesson, exercises=[replace(each, earlier=[], pairs=[]) for each in lesson.exercises])
         for lesson in lessons
     ]
-    return values_alike(*rest) and all(map(_calls_alike, *calls))
+    exercises = (lesson.exercises for lesson in lessons)
+    return values_alike(*rest) and all(map(_calls_alike, *calls)) and all(map(_pairs_alike, *exercises))
+
+
+def _pairs_alike(first: PublicExercise, second: PublicExercise) -> bool:
+    """Return whether two exercises have the same pairs of mistakes; a pair with unstable answers may be absent."""
+    one, other = ({pair.mistakes: pair for pair in each.pairs} for each in (first, second))
+    unstable = {
+        number
+        for exercise in (first, second)
+        for number, mistake in enumerate(exercise.mistakes)
+        if any(map(is_unstable, mistake.answers.values()))
+    }
+    absent = one.keys() ^ other.keys()
+    return all(values_alike(one[key], other[key]) for key in one.keys() & other.keys()) and all(
+        unstable & set(key) for key in absent
+    )
 
 
 def _calls_alike(first: Sequence[EarlierCall], second: Sequence[EarlierCall]) -> bool:

@@ -30,6 +30,7 @@ ALIKE = [
     (Case((1.0,), "a name"), Case((1.0 + 1e-14,), "a name")),
     (np.random.default_rng(1), np.random.default_rng(1)),
     ({"unstable": 1e16}, {"unstable": {"raises": "LinAlgError"}}),
+    ({"unstable": 1.0}, 1.0),
 ]
 DIFFERENT = [
     *((np.array([1.0, 2.0]), np.array([1.0, 2.001])), (np.array([100.0, 1e-5]), np.array([100.0, 1.1e-5]))),
@@ -37,7 +38,7 @@ DIFFERENT = [
     *((np.zeros(3), np.zeros(3, np.float32)), (np.array([1, 2]), np.array([1, 3]))),
     (np.full((2, 2), 200, np.uint8), np.full((2, 2), 201, np.uint8)),
     ({"a": (1.0, "x")}, {"a": (1.0, "y")}),
-    *(({"a": 1}, {"b": 1}), ([1, 2], [1, 2, 3]), (1, 1.0), (1e-6, 1e-7), ({"unstable": 1.0}, 1.0)),
+    *(({"a": 1}, {"b": 1}), ([1, 2], [1, 2, 3]), (1, 1.0), (1e-6, 1e-7), ({"unstable": 1.0}, 2.0)),
     *((SPARSE, scipy.sparse.csr_array(np.ones((2, 2)))), (Case((1.0,), "a name"), Case((1.0,), "another"))),
     (np.random.default_rng(1), np.random.default_rng(2)),
 ]
@@ -73,7 +74,7 @@ def test_check_data_with_other_rounding_errors_is_the_same_and_with_a_changed_de
         assert same_but_for_rounding(".bin", *both) and same_but_for_rounding(".bin", *both[::-1])
     changes = [{"comparison": Close(rtol=1e-5)}, {"comparison": Close(rtol=1e-4, atol=1e-7)}]
     changes += [{"points": 2.0}, {"hints": ["a", "c"]}, {"message": "another"}, {"answer": 4.001}]
-    changes += [{"answer": {"unstable": 4.0}}, {"answer": {"raises": "ValueError"}}, {"cases": []}]
+    changes += [{"answer": {"unstable": 5.0}}, {"answer": {"raises": "ValueError"}}, {"cases": []}]
     changes += [{"calls": calls} for calls in ((1.0,), (1.0, 2.0, 3.0), (2.0, 1.0))]
     assert [each for each in changes if same_lesson(**each)] == []
     for there in [b"", b"no zip", zlib.compress(b"NAO1"), zlib.compress(b"x" * 100)]:
