@@ -4,6 +4,7 @@ import json
 import zlib
 from base64 import b64encode
 from dataclasses import replace
+from types import SimpleNamespace
 
 import cv2
 import matplotlib.pyplot as plt
@@ -14,7 +15,7 @@ import scipy.sparse
 from nao_course.exercises import Case, Close
 from nao_course.exercises.checking import pack
 from nao_course.exercises.earlier import EarlierCall
-from nao_course.exercises.exercise import PublicExercise, PublicLesson, PublicMistake
+from nao_course.exercises.exercise import MistakePair, PublicExercise, PublicLesson, PublicMistake
 from nao_course.instructor.authoring import rounding_errors
 from nao_course.instructor.authoring.perturbation import perturbed
 from nao_course.instructor.authoring.rounding_errors import pictures_alike, same_but_for_rounding, texts_alike
@@ -174,3 +175,17 @@ def test_the_pictures_in_a_notebooks_outputs_are_compared_as_pictures():
     assert same_but_for_rounding(".ipynb", ours, shown(nearly))
     assert not same_but_for_rounding(".ipynb", ours, shown(nearly, alt="0.6 m"))
     assert not same_but_for_rounding(".ipynb", ours, shown(figure(up=1.0)))
+
+
+def test_a_pair_of_mistakes_may_be_absent_only_if_rounding_decides_about_one_of_them():
+    def exercise(*pairs):
+        answers = ({"0": 1.0}, {"0": {"unstable": 2.0}}, {"0": 3.0})
+        return SimpleNamespace(
+            pairs=[MistakePair(each, [0], {"0": 1.0}) for each in pairs],
+            mistakes=[SimpleNamespace(answers=each) for each in answers],
+        )
+
+    assert rounding_errors._pairs_alike(exercise((0, 1), (0, 2)), exercise((0, 2)))
+    assert rounding_errors._pairs_alike(exercise((0, 2)), exercise((0, 2), (1, 2)))
+    assert not rounding_errors._pairs_alike(exercise((0, 2)), exercise())
+    assert not rounding_errors._pairs_alike(exercise(), exercise((0, 2)))
