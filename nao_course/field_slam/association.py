@@ -62,7 +62,7 @@ def associate_jointly(
     ndarray of int, shape (k,)
         Index of the landmark of each measurement, or `NEW` (-1) if no landmark fits.
     """
-    pairs = _Pairs.of(state, covariance, kinds, measurements, measurement_covariance)
+    pairs = _Pairs.of(state, covariance, kinds, measurements, measurement_covariance, gate)
     search = _Search(pairs, gate)
     search.extend(0, (), 0.0)
     indices = np.full(len(measurements), NEW)
@@ -79,14 +79,15 @@ def joint_gate(gate: float, pairs: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Pairs:
-    """All P pairs of a measurement and a landmark of the same kind.
+    """The P pairs of a measurement and a landmark of the same kind that are compatible on their own.
 
-    `measurement` and `landmark` (P,) are indices; the innovation (2P,) has bearing and range of each pair in turn, rad
-    and m, and S (2P, 2P) is their joint covariance.
+    `measurement` and `landmark` (P,) are indices, `alone` (P,) the squared Mahalanobis distances of single pairs; the
+    innovation (2P,) has bearing and range of each pair in turn, rad and m, and S (2P, 2P) is their joint covariance.
     """
 
     measurement: IntArray
     landmark: IntArray
+    alone: FloatArray
     innovation: FloatArray
     S: FloatArray
 
@@ -98,23 +99,31 @@ class _Pairs:
         kinds: Sequence[LandmarkKind],
         measurements: Sequence[Measurement],
         R: FloatArray,
+        gate: float,
     ) -> _Pairs:
-        """Compute the innovations of all measurements with all landmarks of their kinds."""
-        pairs = [
-            (i, j)
-            for i, measurement in enumerate(measurements)
-            for j, kind in enumerate(kinds)
-            if kind == measurement.kind
-        ]
-        i, j = np.array(pairs, dtype=int).reshape(-1, 2).T
-        offset = state[3:].reshape(-1, 2)[j] - state[:2]
+        """Compute the innovations of all measurements with all landmarks of their kinds inside the gate."""
+        n, k = len(kinds), len(measurements)
+        offset = state[3:].reshape(-1, 2) - state[:2]
         distance = np.maximum(np.hypot(*offset.T), 1e-6)
-        values = np.array([(each.bearing, each.range) for each in measurements]).reshape(-1, 2)[i]
-        bearing = wrap_angle(values[:, 0] - np.arctan2(offset[:, 1], offset[:, 0]) + state[2])
-        H = landmark_jacobian(offset, distance, j, len(state))
-        rows = (2 * i[:, None] + (0, 1)).ravel()
-        S = np.linalg.multi_dot([H, covariance, H.T]) + R[rows][:, rows]
-        return cls(i, j, np.column_stack([bearing, values[:, 1] - distance]).ravel(), S)
+        H = landmark_jacobian(offset, distance, np.arange(n), len(state)).reshape(n, 2, len(state))
+        # Only the pose and the landmark itself have derivatives, so a single pair needs a covariance of 5 by 5.
+        own = np.column_stack([np.tile((0, 1, 2), (n, 1)), 3 + 2 * np.arange(n), 4 + 2 * np.arange(n)])
+        J = np.take_along_axis(H, own[:, None], axis=2)
+        landmarks = J @ covariance[own[:, :, None], own[:, None]] @ J.mT
+        noise = np.asarray(R).reshape(k, 2, k, 2)[np.arange(k), :, np.arange(k)]
+        values = np.array([(each.bearing, each.range) for each in measurements]).reshape(-1, 1, 2)
+        expected = np.column_stack([np.arctan2(offset[:, 1], offset[:, 0]) - state[2], distance])
+        innovation = values - expected
+        innovation[..., 0] = wrap_angle(innovation[..., 0])
+        same = np.equal.outer(np.array([each.kind for each in measurements], str), np.array(kinds, str))
+        i, j = np.nonzero(same)
+        S = landmarks[j] + noise[i]
+        alone = (innovation[i, j] * np.linalg.solve(S, innovation[i, j][..., None])[..., 0]).sum(axis=1)
+        near = alone <= gate**2
+        i, j = i[near], j[near]
+        rows, H = (2 * i[:, None] + (0, 1)).ravel(), H[j].reshape(2 * len(j), len(state))
+        joint = H @ covariance @ H.T + np.asarray(R)[rows][:, rows]
+        return cls(i, j, alone[near], innovation[i, j].ravel(), joint)
 
     def distance(self, chosen: Sequence[int]) -> float:
         """Return the squared joint Mahalanobis distance of some pairs."""
@@ -152,13 +161,12 @@ class _Search:
     options: list[list[int]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """List the individually compatible pairs of each measurement, the nearest pair first."""
-        alone = np.array([self.pairs.distance([p]) for p in range(len(self.pairs.landmark))])
+        """List the pairs of each measurement, the nearest pair first."""
+        alone = self.pairs.alone
         for i in sorted(set(self.pairs.measurement.tolist())):
             of_measurement = np.flatnonzero(self.pairs.measurement == i).tolist()
-            compatible = [p for p in of_measurement if alone[p] <= self.gate**2]
-            self.options.append(sorted(compatible, key=alone.__getitem__))
-        self.options = sorted(filter(None, self.options), key=lambda options: alone[options[0]])
+            self.options.append(sorted(of_measurement, key=alone.__getitem__))
+        self.options = sorted(self.options, key=lambda options: alone[options[0]])
 
     def extend(self, depth: int, chosen: tuple[int, ...], distance: float) -> None:
         """Try each landmark for the next measurement, and no landmark; stop where no better hypothesis can follow."""
