@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.stats import chi2
 
 from benchmarks import solution
 from benchmarks.field.detections import LANDMARKS, Seen
@@ -38,6 +39,7 @@ PLACES = np.array([(mark.x, mark.y) for mark in LANDMARKS])
 WRONG = 0.3  # m: an estimated landmark that is farther from every true landmark counts as wrong
 INCONSISTENT = 16.3  # NEES that a consistent pose exceeds once in a thousand times
 SMALL = 1e-10  # m^2 and rad^2: added to the covariance, which is zero at the start
+OUTSIDE = float(chi2.ppf(0.95, 3))  # NEES outside of a pose's 95 % ellipse
 LOST = 0.15  # m: a drive that ends farther off counts as lost
 Make = Callable[[Pose], SlamAlgorithm]
 
@@ -208,6 +210,7 @@ def summary(scores: Sequence[Score]) -> dict[str, float]:
         "landmarks": float(np.median(each["landmarks"])) if np.isfinite(each["landmarks"]).all() else 0.0,
         "NEES mean": float(each["nees"].mean()),
         "NEES median": float(np.median(each["nees"])),
+        "outside": float((each["nees"] > OUTSIDE).mean()),
         "on the map": float(each["on_map"].mean()),
         "wrong": float(each["wrong"].mean()),
         "lost": float((position > LOST).mean()),
@@ -222,5 +225,6 @@ ENDS = (
     "heading",
     "NEES mean",
     "NEES median",
+    "outside",
     "lost",
 )
