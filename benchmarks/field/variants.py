@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.stats import chi2
 
-from benchmarks import solution
+from benchmarks import Table, solution
 from benchmarks.field.detections import LANDMARKS, Seen
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import LEAST_LENGTH, LEAST_SUPPORT, BodyTilt, estimate_body_tilt
@@ -40,6 +40,7 @@ WRONG = 0.3  # m: an estimated landmark that is farther from every true landmark
 INCONSISTENT = 16.3  # NEES that a consistent pose exceeds once in a thousand times
 SMALL = 1e-10  # m^2 and rad^2: added to the covariance, which is zero at the start
 OUTSIDE = float(chi2.ppf(0.95, 3))  # NEES outside of a pose's 95 % ellipse
+OVERCONFIDENT = 20.0  # NEES of a drive that tables name
 LOST = 0.15  # m: a drive that ends farther off counts as lost
 Make = Callable[[Pose], SlamAlgorithm]
 
@@ -215,6 +216,31 @@ def summary(scores: Sequence[Score]) -> dict[str, float]:
         "wrong": float(each["wrong"].mean()),
         "lost": float((position > LOST).mean()),
     }
+
+
+def named(scores: Mapping[tuple[str, str], Mapping[int, Score]]) -> list[dict[str, Any]]:
+    """Return which drives of several hypotheses are lost or overconfident, by condition and seed."""
+    return [
+        {
+            "condition": condition,
+            "seed": seed,
+            "off (m)": score.position,
+            "NEES": score.nees,
+            "misled at stop": score.misled,
+        }
+        for (condition, algorithm), of in scores.items()
+        for seed, score in of.items()
+        if algorithm == "several hypotheses" and (score.position > LOST or score.nees > OVERCONFIDENT)
+    ]
+
+
+def named_table(found: Sequence[Mapping[str, Any]]) -> Table:
+    """Return a table of the drives that `named` found."""
+    return Table(
+        f"several hypotheses, ends over {LOST:g} m off or with a NEES above {OVERCONFIDENT:g}; stop -1: consistent",
+        ("condition", "seed", "off (m)", "NEES", "misled at stop"),
+        tuple(tuple(each.values()) for each in found),
+    )
 
 
 ENDS = (

@@ -6,6 +6,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
     __name__,
     {
         "associating": ("draw_matching", "right_share"),
+        "false_corners": ("draw_false_corners",),
         "figures": ("draw_drives", "draw_measurements", "draw_one_tilt"),
         "gates": ("draw_associations", "draw_gates", "recorded_landmarks", "recorded_wrong"),
         "ideas": ("draw_ideas",),

@@ -1,0 +1,42 @@
+"""How long ``make lab`` takes in a new clone, until JupyterLab could start, in this build and in one before it.
+
+``python -m benchmarks setting_up`` downloads the locked packages twice, into empty caches. Seconds are of the clock,
+because a processor waits for the network and the disk here.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from benchmarks import Result
+from benchmarks.course.waiting import compared
+
+
+def measure(root: Path) -> dict[str, float]:
+    """Return the costs of one build, with empty caches and then with full ones."""
+    (root / ".venv").unlink(missing_ok=True)
+    found = {}
+    with tempfile.TemporaryDirectory() as cache:
+        caches = {name: str(Path(cache, name)) for name in ("PIP_CACHE_DIR", "UV_CACHE_DIR")}
+        for state in ("empty caches", "full caches"):
+            began = time.perf_counter()
+            subprocess.run(
+                ["make", "lab", "LAB_ARGS=--version", "PIP_ARGS=--quiet"],
+                cwd=root,
+                env=os.environ | caches,
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
+            found[f"make lab in a new clone, {state}, s"] = time.perf_counter() - began
+            shutil.rmtree(root / ".venv")
+    return found
+
+
+def main() -> Result:
+    """Set up both builds, one after the other."""
+    return compared("setting_up", "How long the first make lab takes", measure, 1)
