@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import os
 import signal
 import sys
 import threading
 import time
+from _thread import start_new_thread
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -55,33 +57,32 @@ def time_limit(
     `seconds` are wall-clock time. `sooner` is called four times a second with the frame that runs in the block; if it
     returns True, the time is up already.
     """
-    watchdog = _Watchdog(threading.get_ident(), seconds, sooner, error)
-    with _signals(watchdog):
-        watchdog.start()
+    watch = _Watch(threading.get_ident(), seconds, sooner, error)
+    with _signals(watch):
         try:
+            _WATCHDOG.add(watch)
             yield
         finally:
-            watchdog.over = True  # first of all, because the cleaning up must not be interrupted
-            watchdog.wake.set()
-            watchdog.join()
+            watch.over = True  # first of all, because the cleaning up must not be interrupted
+            _WATCHDOG.remove(watch)
             # An interruption that was requested just before, and has not arrived, is taken back.
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(watchdog.thread, None)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(watch.thread, None)
 
 
 @contextmanager
-def _signals(watchdog: _Watchdog) -> Iterator[None]:
-    """Let a watchdog interrupt by signals too, if there are any and nobody else waits for one."""
+def _signals(watch: _Watch) -> Iterator[None]:
+    """Let a time limit interrupt by signals too, if there are any and nobody else waits for one."""
     is_main = threading.current_thread() is threading.main_thread()
     if not (is_main and hasattr(signal, "setitimer")) or any(signal.getitimer(signal.ITIMER_REAL)):
         yield
         return
 
     def interrupt(_: int, frame: FrameType | None) -> None:
-        if watchdog.may_interrupt(frame):
-            raise watchdog.error
+        if watch.may_interrupt(frame):
+            raise watch.error
 
     before = signal.signal(signal.SIGALRM, interrupt)
-    watchdog.has_signals = True
+    watch.has_signals = True
     try:
         yield
     finally:
@@ -89,8 +90,11 @@ def _signals(watchdog: _Watchdog) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-class _Watchdog(threading.Thread):
-    """Interrupts a thread from a time on until it is over, but never in this module's own frames, which clean up."""
+class _Watch:
+    """One time limit: it interrupts a thread until it is over, but never in this module's own frames, which clean up.
+
+    `due` is the time of the next step.
+    """
 
     def __init__(
         self,
@@ -99,23 +103,26 @@ class _Watchdog(threading.Thread):
         sooner: Callable[[FrameType], bool] | None,
         error: type[BaseException],
     ) -> None:
-        super().__init__(daemon=True)
-        self.thread, self.over, self.wake = ctypes.c_ulong(thread), False, threading.Event()
-        self.has_signals = False
+        self.thread, self.over, self.has_signals = ctypes.c_ulong(thread), False, False
         self.error = error
         self._end, self._sooner = time.monotonic() + seconds, sooner
-        self._last_import = self._end + IMPORTING
+        self._last_import, self._interruptions = self._end + IMPORTING, 0
+        self.due = self._next_look()
 
-    def run(self) -> None:
-        self._wait()
-        self._last_import = time.monotonic() + IMPORTING
-        interruptions = 0
-        while not self.over:
-            self._interrupt()
-            interruptions += 1
-            if interruptions == _BEFORE_SIGNALS and self.has_signals:
-                signal.setitimer(signal.ITIMER_REAL, *_SIGNALS)
-            self.wake.wait(_PAUSE)
+    def step(self) -> None:
+        """Interrupt the thread if its time is up."""
+        frame = self._frame()
+        if not self._interruptions:
+            soon = self._sooner is not None and frame is not None and self._sooner(frame)
+            if not soon and time.monotonic() < self._end:
+                self.due = self._next_look()
+                return
+            self._last_import = time.monotonic() + IMPORTING
+        self._interrupt()
+        self._interruptions += 1
+        if self._interruptions == _BEFORE_SIGNALS and self.has_signals:
+            signal.setitimer(signal.ITIMER_REAL, *_SIGNALS)
+        self.due = time.monotonic() + _PAUSE
 
     def may_interrupt(self, frame: FrameType | None) -> bool:
         """Return whether the thread may be interrupted in this frame."""
@@ -123,21 +130,65 @@ class _Watchdog(threading.Thread):
             return False
         return not importing(frame) or time.monotonic() >= self._last_import
 
-    def _wait(self) -> None:
-        """Wait until the time is up."""
-        while (left := self._end - time.monotonic()) > 0 and not self.over:
-            self.wake.wait(min(left, _POLL) if self._sooner else min(left, threading.TIMEOUT_MAX))
-            frame = self._frame()
-            if self._sooner and frame is not None and self._sooner(frame):
-                return
+    def _next_look(self) -> float:
+        return min(self._end, time.monotonic() + _POLL) if self._sooner else self._end
 
     def _interrupt(self) -> None:
         """Request the error in the thread, if it is in a frame where it may be interrupted.
 
-        This thread holds the interpreter from the inspection of the frame to the request, so the error arrives there.
+        The watchdog holds the interpreter from the inspection of the frame to the request, so the error arrives there.
         """
         if self.may_interrupt(self._frame()):
             ctypes.pythonapi.PyThreadState_SetAsyncExc(self.thread, ctypes.py_object(self.error))
 
     def _frame(self) -> FrameType | None:
         return sys._current_frames().get(int(self.thread.value))
+
+
+class _Watchdog:
+    """The thread that keeps all time limits of the process, because starting one for each would take a panel too long.
+
+    Only locks are used: an interruption in the middle of a method of `threading` could leave its lock closed for ever.
+    """
+
+    def __init__(self) -> None:
+        self.start_again()
+        if hasattr(os, "register_at_fork"):
+            os.register_at_fork(after_in_child=self.start_again)  # a child of a fork has none of the threads
+
+    def start_again(self) -> None:
+        """Forget all time limits and the thread."""
+        self._lock, self._asleep = threading.Lock(), threading.Lock()
+        self._watches: list[_Watch] = []
+        self._runs = False
+        self._wakes = 0.0  # time at which the thread will look again
+        self._asleep.acquire()
+
+    def add(self, watch: _Watch) -> None:
+        """Begin to keep a time limit."""
+        with self._lock:
+            self._watches.append(watch)
+            if not self._runs:
+                self._runs = True
+                start_new_thread(self._run, ())
+            elif watch.due < self._wakes and self._asleep.locked():
+                self._asleep.release()
+
+    def remove(self, watch: _Watch) -> None:
+        """Forget a time limit; afterwards it interrupts nothing."""
+        with self._lock:
+            if watch in self._watches:  # the child of a fork does not know its parent's
+                self._watches.remove(watch)
+
+    def _run(self) -> None:
+        while True:
+            with self._lock:
+                for watch in self._watches:
+                    if watch.due <= time.monotonic():
+                        watch.step()
+                self._wakes = min((watch.due for watch in self._watches), default=float("inf"))
+            left = max(self._wakes - time.monotonic(), 0.0)
+            self._asleep.acquire(timeout=min(left, threading.TIMEOUT_MAX))
+
+
+_WATCHDOG = _Watchdog()

@@ -32,9 +32,9 @@ def band(degrees: int, runs: int, probability: float = 0.95) -> tuple[float, flo
     >>> [round(each, 2) for each in band(3, 100)]
     [2.54, 3.5]
     """
-    from scipy.stats import chi2  # takes long to import
+    from scipy.special import chdtri  # SciPy's stats would take long to import
 
-    low, high = chi2.ppf([(1 - probability) / 2, (1 + probability) / 2], degrees * runs) / runs
+    low, high = chdtri(degrees * runs, [(1 + probability) / 2, (1 - probability) / 2]) / runs
     return float(low), float(high)
 
 

@@ -25,11 +25,11 @@ def median_band(degrees: int, runs: npt.ArrayLike, probability: float = 0.95) ->
     The remaining probability is split equally between both sides. The cumulative probability of the median of n values
     follows a beta distribution, whatever distribution the values have.
     """
-    from scipy.stats import beta, chi2  # take long to import
+    from scipy.special import betainccinv, chdtri  # SciPy's stats would take long to import
 
     half = (np.asarray(runs) + 1) / 2
     parts = np.array([[(1 - probability) / 2], [(1 + probability) / 2]])
-    return np.asarray(chi2.ppf(beta.ppf(parts, half, half), degrees))
+    return np.asarray(chdtri(degrees, betainccinv(half, half, parts)))
 
 
 def nees_by_step(traces: Sequence[Trace]) -> FloatArray:
