@@ -232,8 +232,9 @@ class Seen:
     def alone(self, pixels: Pixels) -> Pixels:
         """Return the last painted overlay with all marks; without one, draw the marks on the picture in grey."""
         painted = [each.painted for each in self.overlays.values() if each.painted is not None]
-        grey = np.repeat(pixels.mean(axis=2, keepdims=True), 3, axis=2).astype(np.uint8)
-        return self.marked(painted[-1] if painted else grey)
+        if not painted:
+            painted = [np.repeat(pixels.mean(axis=2, keepdims=True), 3, axis=2).astype(np.uint8)]
+        return self.marked(painted[-1])
 
     def marked(self, pixels: Pixels) -> Pixels:
         """Return a picture (H, W, 3) with rings around the marked pixels."""
