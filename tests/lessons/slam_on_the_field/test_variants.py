@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from scipy.stats import chi2
 
 from benchmarks import RESULTS
 from nao_course.lessons.slam_on_the_field import variants
@@ -14,9 +13,11 @@ from tests.lessons.every import text as text_of
 VARIANTS = {row["variant"]: row for row in variants.recorded_variants()}
 EKF, GRAPH = "compass: the complete EKF", "graph"
 SUREST, SUREST_GRAPH = "EKF, best compass of a stop first", "graph, best compass of a stop first"
-TAILS = json.loads((RESULTS / "field_tails.json").read_text(encoding="utf-8"))["conditions"]
-NORMAL, ONE_PICTURE = "normal", "one picture per stop"
-FALSE_CORNERS, WORSE = "0.3 false corners per picture", "odometry twice as bad as stated"
+FALSE_CORNERS, TAILS = (
+    json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))["conditions"]
+    for name in ("field_false", "field_tails")
+)
+NORMAL, ONE_PICTURE, WORSE = "0", "one picture per stop", "odometry twice as bad as stated"
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +32,7 @@ def off(variant):
 
 
 def of_hard_drives(hardship, algorithm="several hypotheses"):
-    return TAILS[f"{hardship}, {algorithm}"]
+    return (FALSE_CORNERS | TAILS)[f"{hardship}, {algorithm}"]
 
 
 def lost_of(hardship, algorithm):
@@ -65,10 +66,10 @@ def test_the_text_says_what_the_drives_recorded_and_which_is_lost(text):
 
 def test_the_text_says_what_the_joint_update_and_several_hypotheses_bring(text):
     row = of_hard_drives(NORMAL)
-    low, high = result("field_tails")["NEES band"]
+    low, high = result("field_false")["NEES band"]
     pairs = [
         f"{lost_of(name, 'surest first')} and {lost_of(name, 'several hypotheses')} with"
-        for name in (ONE_PICTURE, FALSE_CORNERS, WORSE)
+        for name in (ONE_PICTURE, WORSE)
     ]
     quotes(
         text,
@@ -76,12 +77,11 @@ def test_the_text_says_what_the_joint_update_and_several_hypotheses_bring(text):
         f"{100 * row['position worst']:.0f} cm",
         f"NEES is {row['NEES mean']:.1f}",
         f"{low:.1f} and {high:.1f}",
-        f"{row['NEES median']:.1f}",
-        f"{chi2.median(3):.1f}",
+        f"{100 * row['outside']:.0f} % end outside",
         *pairs,
         f"{100 * of_hard_drives(ONE_PICTURE)['position']:.1f} cm off",
     )
-    assert row["drives"] == 200 and row["NEES mean"] > high
+    assert row["drives"] == 200 and low < row["NEES mean"] < high and row["outside"] <= 0.07
 
 
 def test_the_text_says_what_the_order_is_worth_and_what_short_pieces_do_to_the_compass(text):
@@ -115,10 +115,10 @@ def test_the_system_is_as_near_as_it_has_to_be():
         assert off(variant).max() <= 15
         assert np.median(row["heading"]) <= 0.3 and np.median(row["landmarks"]) <= 0.01
         assert 2 <= np.mean(row["nees"]) <= 4
-    for name in (NORMAL, FALSE_CORNERS, WORSE):
+    for name, most in ((NORMAL, 0), ("0.3", 0), ("1", 1), ("2", 5), ("3", 5), (WORSE, 0)):
         row = of_hard_drives(name)
-        assert row["position"] <= 0.01 and row["position 95 %"] <= 0.05 and row["NEES mean"] <= 4.5
-        assert lost_of(name, "several hypotheses") == 0
+        assert row["position"] <= 0.01 and row["position 95 %"] <= 0.05
+        assert lost_of(name, "several hypotheses") <= most
 
 
 def test_figure_and_table_have_all_of_it_and_the_text_says_how_many_kidnapped_robots_find_their_pose():
