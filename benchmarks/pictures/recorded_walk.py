@@ -43,17 +43,26 @@ def main() -> Result:
 def recorded(pose: Pose, seen: Observation) -> dict[str, list[object]]:
     """Return a stop as the file has it: the pose, and number, bearing, range and covariance of each landmark."""
     rows: list[object] = []
-    blocks = seen.covariance.reshape(len(seen), 2, len(seen), 2)
+    for i, number in identified(pose, seen).items():
+        (bearing, distance), R = seen.values[i], seen.part([i]).covariance
+        rows.append(
+            [number, *(float(f"{value:.4g}") for value in (bearing, distance, R[0, 0], R[0, 1], R[1, 1]))]
+        )
+    return {"pose": [round(value, 4) for value in pose.as_array().tolist()], "seen": rows}
+
+
+def identified(pose: Pose, seen: Observation) -> dict[int, int]:
+    """Return the number of the nearest landmark by the index of each measurement that fits one from the true pose."""
+    found = {}
     for i, measurement in enumerate(seen):
         same = [n for n, kind in enumerate(FIELD.detectable_kinds) if kind == measurement.kind]
         off = (measurement.bearing, measurement.range) - range_and_bearing(
             pose.as_array(), FIELD.detectable_positions[same]
         )
         off[:, 0] = wrap_angle(off[:, 0])
-        R = blocks[i, :, i]
-        squares = squared_distances(off, np.tile(R + PLACED, (len(same), 1, 1)))
+        S = seen.part([i]).covariance + PLACED
+        squares = squared_distances(off, np.tile(S, (len(same), 1, 1)))
         nearest = int(squares.argmin())
         if squares[nearest] <= MOST:
-            values = (measurement.bearing, measurement.range, R[0, 0], R[0, 1], R[1, 1])
-            rows.append([same[nearest], *(float(f"{value:.4g}") for value in values)])
-    return {"pose": [round(value, 4) for value in pose.as_array().tolist()], "seen": rows}
+            found[i] = same[nearest]
+    return found

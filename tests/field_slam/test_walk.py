@@ -97,6 +97,14 @@ def test_lesson_and_docs_state_what_the_walk_says():
         values = [*(f"{row[key]:.2f}" for key in keys), *(f"{row[key]:.1f}" for key in degrees)]
         line = f"| {name} | {' | '.join(values)} |"
         assert line in docs, line
+    for name, row in found["bound"].items():
+        *metres, heading = row.values()
+        assert f"| {name} | {' | '.join(f'{value:.3f}' for value in metres)} | {heading:.1f} |" in docs, name
+    (median, most, *_, heading), (*_, edge) = (row.values() for row in [*found["bound"].values()][:2])
+    results = (PROJECT / "docs" / "results.md").read_text(encoding="utf-8")
+    assert f"{100 * median:.1f} cm, {100 * most:.1f} cm and {heading:.1f}°" in results
+    assert f"the bound of the heading is {edge:.1f}°" in results
+    assert f"a standard deviation of {found['standard deviation of these headings, degrees']:.1f}°" in docs
     waiting = found["first half, range of the EKF's median error over assumed views"]
     ends = [waiting[f"first pictures {when}"] for when in ("at once", "wait")]
     at_once, waited = (f"{100 * low:.0f} to {100 * high:.0f} cm" for low, high in ends)
