@@ -17,9 +17,10 @@ from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import estimate_body_tilt
 from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field, inside
 from nao_course.field_slam.hypotheses import MultipleHypotheses
-from nao_course.field_slam.joint_update import JointUpdate, scene
+from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.known_shapes.white_posts import as_goal_colour
+from nao_course.field_slam.line_observation import scene
 from nao_course.field_slam.lines import corners_of_lines, read_lines
 from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observation, observation, tilted
 from nao_course.field_slam.surest_first import SurestFirst
