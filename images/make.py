@@ -28,7 +28,7 @@ def drawn_demo() -> Files:
     from nao_course.cli import demo
 
     folder = Path("build", "demo")
-    demo(slam="both", joint=False, seed=1, out=folder, walk=None, field=None)
+    demo(slam="both", joint=False, kidnap=False, seed=1, out=folder, walk=None, recording=None, field=None)
     return {
         **{Path("images", name): (folder / name).read_bytes() for name in ("demo.png", "demo.webp")},
         Path("nao_course", "films", "recordings", "demo.json"): (folder / "film.json").read_bytes(),

@@ -230,6 +230,9 @@ def demo(
     joint: bool = typer.Option(
         False, "--joint", help="Let your EKF use lines and the centre circle too, with several hypotheses."
     ),
+    kidnap: bool = typer.Option(
+        False, "--kidnap", help="Carry the simulated robot away half way; your EKF finds its pose again."
+    ),
     seed: int = typer.Option(1, min=0, help="Seed of the drive: start, route, errors and room."),
     out: Path = typer.Option(Path("demo"), help="Folder for the figure, the film and the errors."),
     walk: Path | None = typer.Option(
@@ -256,15 +259,23 @@ def demo(
             raise ValueError(f"--slam must be ekf, graph or both, got {slam}")
         if joint and slam == "graph":
             raise ValueError("--joint works with the EKF: use it with --slam ekf or both")
+        if kidnap and slam == "graph":
+            raise ValueError("--kidnap works with the EKF: use it with --slam ekf or both")
+        if kidnap and joint:
+            raise ValueError(
+                "--kidnap already lets the EKF use lines and the centre circle: leave out --joint"
+            )
         chosen = list(drive.ALGORITHMS) if slam == "both" else [slam]
         report.make_folder(out)
         solutions = Path("solutions")  # in the course's repository, the solutions drive
         functions = drive.demo_functions(chosen, solutions if solutions.is_dir() else _notebooks())
-        frames, pictures, ground = drive.route(seed, walk, field, recording)
+        frames, pictures, ground = drive.route(seed, walk, field, recording, kidnap)
         for line in report.field_in_words(ground):
             _say(line)
         driving = track(frames, "driving", pictures, console=console)
-        story = drive.run_demo(functions, driving, chosen, joint, ground.dimensions)
+        (x0, x1), (y0, y1) = ground.x_range, ground.y_range
+        area = ((x0, y0), (x1, y1)) if kidnap else None
+        story = drive.run_demo(functions, driving, chosen, joint, ground.dimensions, area)
         for line in report.in_words(story, ground):
             _say(line)
         if recording is not None:

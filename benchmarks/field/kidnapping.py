@@ -21,9 +21,9 @@ from benchmarks.field.detections import Seen, detections, prepare
 from benchmarks.field.field_tails import WHOLE
 from benchmarks.field.variants import Read, joint_update, surest_first
 from nao_course.field_slam.drives import YAWS
-from nao_course.field_slam.kidnapping.likelihood import StopView
 from nao_course.field_slam.kidnapping.recovery import TRUSTED, KidnapRecovery
 from nao_course.field_slam.likelihood import CLUTTER, Clutter
+from nao_course.field_slam.line_observation import StopView
 from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.slam import SlamAlgorithm
 

@@ -14,7 +14,8 @@ from benchmarks.field.detections import LANDMARKS, Seen
 from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import LEAST_LENGTH, LEAST_SUPPORT, BodyTilt, estimate_body_tilt
 from nao_course.field_slam.hypotheses import MultipleHypotheses
-from nao_course.field_slam.joint_update import JointUpdate, scene
+from nao_course.field_slam.joint_update import JointUpdate
+from nao_course.field_slam.line_observation import scene
 from nao_course.field_slam.lines import corners_of_lines
 from nao_course.field_slam.observation import (
     POST_SIGMA,

@@ -32,6 +32,8 @@ FROM_LINES = 0.25  # m: least distance of the robot from the field's outer lines
 NEAREST_GOAL, SMALLEST_TURN = 1.2, float(np.radians(30))  # m and rad: a new goal is at least this far away
 SMALLEST_FIELD = (2.0, 2.0)  # m, along x and y: on a smaller one, there is not always a goal as far away
 LEAST_SIGMA = 0.001  # m: also a robot that only turns moves a little
+CARRIED = 1.5  # m: a robot that is carried away is put down at least this far away
+PLACES = 64  # number of random poses of which the first that is far enough away is used
 
 Area = tuple[tuple[float, float], tuple[float, float]]
 
@@ -92,13 +94,15 @@ class Shot:
     """A picture of a drive, with the ground truth.
 
     The motion was commanded before the picture, and is None if the robot only turned its head. The picture has the
-    assumed view; the pose, in the field frame, and the view in `truth` are the true ones.
+    assumed view; the pose, in the field frame, and the view in `truth` are the true ones. Before the picture, the robot
+    may have been `carried` away.
     """
 
     motion: Motion | None
     picture: Picture
     pose: Pose
     truth: PictureTruth
+    carried: bool = False
 
 
 def start_of(seed: int, field: Field | None = None) -> Pose:
@@ -117,12 +121,14 @@ def drive_over_field(
     yaws: Sequence[float] = YAWS,
     reality: Reality | None = None,
     field: Field | None = None,
+    carried: int | None = None,
 ) -> Iterator[Shot]:
     """Drive over a field and yield the pictures of each stop, which are rendered one at a time.
 
     There is a picture for each yaw angle (rad) of the head at each of the (moves + 1) stops. The same seed gives the
     same drive; `factor` scales the standard deviations of `OdometryNoisePerMove`. By default, the field is half a field
-    by the rules of 2012, and `reality` is the preset `lab` in a room that depends on the seed.
+    by the rules of 2012, and `reality` is the preset `lab` in a room that depends on the seed. Before stop number
+    `carried`, counted from 0, the robot is put down elsewhere, and the motion to this stop is zero.
     """
     field = field or Field(2012)
     nao = SimulatedNao(
@@ -135,15 +141,26 @@ def drive_over_field(
     )
     world, driver = Truth(nao), Driver(np.random.default_rng([seed, 13]), inside(field))
     for stop in range(moves + 1):
-        motion = driver.next(world.pose) if stop else None
-        if motion is not None:
+        motion, away = None, stop == carried
+        if away:
+            motion = Motion()
+            world.place(_elsewhere(world.pose, inside(field), np.random.default_rng([seed, 14])))
+        elif stop:
+            motion = driver.next(world.pose)
             nao.move(motion)
         for yaw in yaws:
             nao.look(yaw, HEAD_PITCH)
             picture = nao.take_picture()
             assert world.picture is not None
-            yield Shot(motion, picture, world.pose, world.picture)
-            motion = None
+            yield Shot(motion, picture, world.pose, world.picture, away)
+            motion, away = None, False
+
+
+def _elsewhere(pose: Pose, area: Area, rng: np.random.Generator) -> Pose:
+    """Return a random pose in an area, at least CARRIED away from another pose if the area is large enough."""
+    poses = rng.uniform((*area[0], -np.pi), (*area[1], np.pi), (PLACES, 3))
+    distance = np.hypot(*(poses[:, :2] - (pose.x, pose.y)).T)
+    return Pose.from_array(poses[np.minimum(distance, CARRIED).argmax()])
 
 
 class Driver:

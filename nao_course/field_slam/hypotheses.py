@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import logsumexp
 
-from nao_course.field_slam.joint_update import JointUpdate, LineObservation
+from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.likelihood import Part, PictureLikelihood
+from nao_course.field_slam.line_observation import LineObservation
 from nao_course.field_slam.observation import Observation, as_observation
 from nao_course.geometry import FloatArray, wrap_angle
 from nao_course.slam import Estimate, Measurement, Motion, SlamAlgorithm

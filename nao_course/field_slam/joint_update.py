@@ -9,7 +9,7 @@ line.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import replace
 from typing import Final, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -18,9 +18,10 @@ from scipy.linalg import block_diag
 
 from nao_course.field_slam.adaptive_noise import FACTORS, AdaptiveOdometryNoise, OdometryModel
 from nao_course.field_slam.association import landmark_jacobian
-from nao_course.field_slam.compass import AGREES, QUARTER, BodyTilt, wrap_quarter
-from nao_course.field_slam.known_shapes.circle import RADIUS, Circle, find_circle
+from nao_course.field_slam.compass import QUARTER, wrap_quarter
+from nao_course.field_slam.known_shapes.circle import Circle
 from nao_course.field_slam.likelihood import (
+    KnownMap,
     Part,
     PictureLikelihood,
     compass_log_densities,
@@ -28,19 +29,11 @@ from nao_course.field_slam.likelihood import (
     line_log_densities,
     other_heading_of,
 )
-from nao_course.field_slam.lines import to_ground
+from nao_course.field_slam.line_observation import CENTRE_SIGMA, LINE_SIGMA, LineObservation, PointKind
 from nao_course.field_slam.observation import CAMERA_HEIGHT, FOCAL, Observation, as_observation, tilt_jacobian
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
-from nao_course.sim import CameraView
 from nao_course.slam import Estimate, LandmarkKind, Measurement, Motion, SlamAlgorithm
 
-# Two in three lines below 0.3 m are arcs of the centre circle or stand upright (`python -m benchmarks compass`).
-LEAST_LENGTH = 0.45  # m
-LEAST_PIXELS = 20.0  # px at 320: pixel noise turns a shorter line by more than AGREES
-# m, to a line's nearest point: there one degree of tilt is as much as the goal area's depth, 0.6 m.
-FARTHEST = 4.0
-# px at 320, perpendicular to the line, and m; found on seeds 200 to 229 of `benchmarks field_slam`
-LINE_SIGMA, CENTRE_SIGMA = 0.85, 0.0175
 # A line of the picture is matched with a line of the map that is at most KNOWN sigma away, if all others are farther
 # than OTHER. An ambiguous line is not used. A line that is farther than NEW sigma and APART metres from all lines of
 # the map becomes a new one. In between it is ignored, because a second copy of a line would bend the map.
@@ -50,56 +43,8 @@ SURE = 0.12  # m: a new line is added only where it can be recognised again
 CENTRE_GATE = 4.0  # sigma
 CENTRE_SURE = 0.25  # m: there is one centre circle, so it may be added with less certainty than a line
 UNKNOWN = 100.0  # m^2: variance that a new landmark has before its first update
-EDGE = 0.1  # rad: a landmark that is nearer to the edge of a picture may not be detected
 # The kind that lines and the circle's centre have on the filter's map; estimates leave them out.
 INTERNAL: Final = "internal"
-
-
-@dataclass(frozen=True, eq=False)
-class LineObservation(Observation):
-    """An observation with the lines and the centre circle of its picture.
-
-    `shared` (2,) is the covariance of pitch and roll with the lines' direction, rad^2. Each of the lines (N, 3) is its
-    visible point (x, y) that is nearest to the robot, m, and its direction, rad, in the robot frame. `view` is the
-    smallest and the largest bearing in the picture, rad.
-    """
-
-    shared: FloatArray = field(default_factory=lambda: np.zeros(2))
-    lines: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
-    circle: Circle | None = None
-    view: tuple[float, float] = (0.0, 0.0)
-
-
-def scene(
-    seen: Observation, tilt: BodyTilt, lines: FloatArray, level: CameraView, radius: float = RADIUS
-) -> LineObservation:
-    """Add the lines and the centre circle to the landmarks of a picture.
-
-    The compass of `seen` was computed with this tilt, and `level` is the view corrected by it. The lines (N, 4) come
-    from `read_lines`, px; the circle's radius is in m, and 0 if there is none. Without a compass the result has no
-    lines, because it is then unknown which of the field's two directions each line has.
-    """
-    own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
-    found = field_lines(lines, tilt, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
-    view = (level.yaw - level.hfov / 2 + EDGE, level.yaw + level.hfov / 2 - EDGE)
-    circle = find_circle(lines, level, radius)
-    return LineObservation(**own, shared=tilt.covariance[:2, 2], lines=found, circle=circle, view=view)
-
-
-def field_lines(lines: FloatArray, tilt: BodyTilt, level: CameraView) -> FloatArray:
-    """Return the lines that have one of the field's two directions, as `LineObservation.lines`."""
-    ends = np.asarray(lines, dtype=float).reshape(-1, 4)
-    ground = to_ground(ends.reshape(-1, 2), level).reshape(-1, 2, 2) + level.offset
-    along = ground[:, 1] - ground[:, 0]
-    length = np.maximum(np.hypot(*along.T), 1e-9)
-    share = np.clip(-(ground[:, 0] * along).sum(axis=1) / length**2, 0, 1)
-    nearest = ground[:, 0] + share[:, None] * along
-    direction = np.arctan2(along[:, 1], along[:, 0])
-    pixels = np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1]) * 320 / level.size[0]
-    with np.errstate(invalid="ignore"):  # points at the horizon have no position
-        kept = (length >= LEAST_LENGTH) & (pixels >= LEAST_PIXELS) & (np.hypot(*nearest.T) < FARTHEST)
-        kept &= np.abs(wrap_quarter(direction - tilt.direction)) < AGREES
-    return np.column_stack([nearest, direction])[kept]
 
 
 class JointFilter(Protocol):
@@ -236,6 +181,25 @@ class JointUpdate(SlamAlgorithm):
     def circle(self) -> int | None:
         """Number of the landmark that is the circle's centre; None if the circle is not on the map."""
         return self._circle
+
+    @property
+    def known_map(self) -> KnownMap:
+        """The map of the filter as points and lines."""
+        state, P = self.inner.state, self.inner.covariance
+        n = len(self.inner.kinds)
+        at = 3 + 2 * np.arange(n)
+        places = state[3:].reshape(n, 2)
+        own = P[at[:, None, None] + np.array([[0], [1]]), at[:, None, None] + np.array([[0, 1]])]
+        points = [i for i, kind in enumerate(self.inner.kinds) if kind != INTERNAL or i == self._circle]
+        kinds: list[PointKind] = []
+        for i in points:
+            kind = self.inner.kinds[i]
+            kinds.append("centre" if kind == INTERNAL else kind)
+        lines = np.array(list(self._axes), dtype=int)
+        return KnownMap(
+            places[points], own[points], tuple(kinds),
+            np.array(list(self._axes.values()), dtype=int), places[lines, 0], own[lines, 0, 0],
+        )  # fmt: skip
 
     def place(self, pose: Pose, covariance: FloatArray) -> None:
         """Put the robot elsewhere on the map, with a covariance (3, 3) that is independent of the map's."""

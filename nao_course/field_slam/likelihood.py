@@ -1,4 +1,9 @@
-"""The likelihood of a picture's measurements, with all of them used or with some of them ignored."""
+"""How likely measurements are: a picture's at the filter's estimate, and a stop's at any position on a known map.
+
+At any position, the landmarks of a stop are a random set: each landmark of the map in the field of view is detected
+with some probability, and the other measurements are clutter, which has a constant density. These likelihoods are
+relative to a stop whose measurements are all clutter, so they can be compared between poses.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.field_slam.compass import OUTLIERS, QUARTER, reading_density
+from nao_course.field_slam.line_observation import PointKind, StopView
 from nao_course.field_slam.observation import Observation
-from nao_course.geometry import FloatArray
+from nao_course.geometry import FloatArray, rotation_2d, wrap_angle
 
 Part = Literal["compass", "landmarks", "lines"]  # the centre circle belongs to the lines
 Clutter = Literal["corner", "post", "centre", "line"]
@@ -19,6 +25,18 @@ Clutter = Literal["corner", "post", "centre", "line"]
 # m^2, lines per m (`python -m benchmarks kidnapping`).
 CLUTTER: Mapping[Clutter, float] = {"corner": 0.02, "post": 0.006, "centre": 0.002, "line": 0.025}
 IGNORED = 0.3  # factor for measurements that are ignored although the map may explain them
+# m: ranges at which a landmark of the map is nearly always detected. The centre is detected by its circle, so never.
+VISIBLE: dict[PointKind, tuple[float, float]] = {
+    "corner": (1.2, 2.5),
+    "post": (1.2, 3.0),
+    "centre": (0.0, 0.0),
+}
+DETECTED, ELSEWHERE = 0.9, 0.4  # probability of detection at these ranges, and at others
+LINE_DETECTED = 0.5
+MAP_SIGMA = 0.05  # m: is added to a match, because an error of the map is the same at all stops
+WELL_KNOWN = 0.06  # m: a landmark with a larger standard deviation may not exist, so it is not missed
+LEAST_INFORMATION = 1e-2 * np.eye(2)  # 1/m^2: where nothing is matched
+STEPS = 6  # of expectation maximisation
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,3 +112,112 @@ def line_log_densities(lines: int, circles: int, lines_known: int, circles_known
     line, circle = np.log((CLUTTER["line"], CLUTTER["centre"]))
     new = (lines - lines_known) * line + (circles - circles_known) * circle
     return float(new), float(lines * line + circles * circle + (lines + circles) * np.log(IGNORED))
+
+
+@dataclass(frozen=True, eq=False)
+class KnownMap:
+    """The map of a filter, as points and lines.
+
+    Points (n, 2) with covariances (n, 2, 2) are corners, posts and the circle's centre, in the map frame, m and m^2.
+    The axis of each line (m,) is 0 for x = c and 1 for y = c, with c in `places` (m,), m, and its variance (m,), m^2.
+    """
+
+    points: FloatArray
+    covariances: FloatArray
+    kinds: tuple[PointKind, ...]
+    axes: npt.NDArray[np.int64]
+    places: FloatArray
+    variances: FloatArray
+
+
+class PositionLikelihood:
+    """The likelihood of a stop at positions of the robot, for one heading (rad, map frame).
+
+    Each measurement and each thing on the map that it may belong to put the robot at one position, in closed form, with
+    a Gaussian error; a line leaves the position along it free. The likelihood is relative to a stop with nothing but
+    clutter.
+    """
+
+    def __init__(self, stop: StopView, known: KnownMap, heading: float) -> None:
+        """Match all measurements of a stop with everything on the map that is of the same kind."""
+        self._stop, self._known, self._heading = stop, known, heading
+        R, of_points = rotation_2d(heading), len(stop.points)
+        offset = stop.points @ R.T
+        aside = stop.heading_sigma * offset[:, ::-1] * (-1, 1) if of_points else offset
+        own = R @ stop.covariances @ R.T + aside[:, :, None] * aside[:, None]
+        point, self._landmark = np.nonzero(
+            np.equal.outer(np.array(stop.kinds, str), np.array(known.kinds, str))
+        )
+        S = own[point] + known.covariances[self._landmark] + MAP_SIGMA**2 * np.eye(2)
+        self.positions = known.points[self._landmark] - offset[point]
+        clutter = np.array([CLUTTER[stop.kinds[i]] for i in point])
+        axes, places, variances = stop.lines_from(heading)
+        line, known_line = np.nonzero(np.equal.outer(axes, known.axes))
+        variance = variances[line] + known.variances[known_line] + MAP_SIGMA**2
+        across = np.eye(2)[axes[line]]
+        self._at = np.vstack([self.positions, across * (known.places[known_line] - places[line])[:, None]])
+        self._information = np.concatenate(
+            [np.linalg.inv(S), across[:, :, None] * across[:, None] / variance[:, None, None]]
+        )
+        of_line = LINE_DETECTED / (1 - LINE_DETECTED) / CLUTTER["line"]
+        self._scale = np.append(
+            1 / (2 * np.pi * np.sqrt(np.linalg.det(S)) * clutter), of_line / np.sqrt(2 * np.pi * variance)
+        )
+        self._owner = np.eye(of_points + len(axes))[np.append(point, of_points + line)]
+
+    def log_likelihood(self, positions: FloatArray) -> FloatArray:
+        """Return the log-likelihoods (N,) at positions (N, 2), m, map frame."""
+        return np.log1p(self._matches(positions) @ self._owner).sum(axis=1) + self.missed(positions)
+
+    def missed(self, positions: FloatArray) -> FloatArray:
+        """Return the log-likelihoods (N,) at positions (N, 2) of the landmarks that should be in view."""
+        offset = self._known.points - positions[:, None]
+        bearing = wrap_angle(np.arctan2(offset[..., 1], offset[..., 0]) - self._heading)[..., None]
+        seen = ((bearing > self._stop.views[:, 0]) & (bearing < self._stop.views[:, 1])).any(axis=-1)
+        exists = np.trace(self._known.covariances, axis1=1, axis2=2) < 2 * WELL_KNOWN**2
+        return np.log1p(-DETECTED) * (self._certain(positions) & exists & seen).sum(axis=1)
+
+    def fit(
+        self, positions: FloatArray, mean: FloatArray | None = None, information: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the local maxima (N, 2) near positions (N, 2), their information (N, 2, 2), and evidence (N,).
+
+        The maxima are found by expectation maximisation. The evidence is the logarithm of the likelihood's integral
+        near the maximum, by Laplace's approximation. Positions may have Gaussian priors with means (N, 2) or (2,) and
+        information matrices (N, 2, 2) or (2, 2), 1/m^2. Otherwise the prior is 1 everywhere, and the integral is in
+        m^2.
+        """
+        prior = np.zeros((2, 2)) if information is None else information
+        mean = positions if mean is None else mean
+        for _ in range(STEPS):
+            matches = self._matches(positions)
+            weights = matches / (1 + matches @ self._owner @ self._owner.T)
+            found = prior + LEAST_INFORMATION + np.tensordot(weights, self._information, 1)
+            pull = weights @ np.einsum("pij,pj->pi", self._information, self._at)
+            pull += np.einsum("...ij,...j->...i", prior, mean) + positions @ LEAST_INFORMATION
+            positions = np.linalg.solve(found, pull[..., None])[..., 0]
+        evidence = self.log_likelihood(positions) - gaussian_log_densities(np.zeros(2), found)
+        if information is not None:
+            evidence = evidence + gaussian_log_densities(positions - mean, prior)
+        return positions, found, evidence
+
+    def _matches(self, positions: FloatArray) -> FloatArray:
+        """Return the likelihood of each match relative to clutter, shape (N, matches)."""
+        residual = positions[:, None] - self._at
+        square = np.einsum("npi,pij,npj->np", residual, self._information, residual)
+        matches = self._scale * np.exp(-0.5 * square)
+        odds = np.where(self._certain(positions), DETECTED / (1 - DETECTED), ELSEWHERE / (1 - ELSEWHERE))
+        matches[:, : len(self._landmark)] *= odds[:, self._landmark]
+        return matches
+
+    def _certain(self, positions: FloatArray) -> npt.NDArray[np.bool_]:
+        """Return which landmarks (N, n) are at a range at which they are nearly always detected."""
+        distance = np.linalg.norm(self._known.points - positions[:, None], axis=-1)
+        nearest, farthest = np.array([VISIBLE[kind] for kind in self._known.kinds]).reshape(-1, 2).T
+        return (distance > nearest) & (distance < farthest)
+
+
+def gaussian_log_densities(residuals: FloatArray, information: FloatArray) -> FloatArray:
+    """Return the log densities (...) of residuals (..., 2) with information matrices (..., 2, 2)."""
+    square = np.einsum("...i,...ij,...j->...", residuals, information, residuals)
+    return np.asarray(0.5 * (np.linalg.slogdet(information)[1] - square) - np.log(2 * np.pi))

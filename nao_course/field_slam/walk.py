@@ -38,7 +38,7 @@ class WalkFrame:
     several times since the picture before has `earlier` motions, too. The pixels (H, W, 3)
     are RGB, the pose is in the field frame, and `farthest` is the largest range of a measurement that is used, m. A
     view that is not `calibrated` has a constant offset in addition to the body's sway. Where the truth is not `known`,
-    the pose is odometry's.
+    the pose is odometry's. Before the picture, the robot may have been `carried` away.
     """
 
     motion: Motion | None
@@ -49,6 +49,7 @@ class WalkFrame:
     calibrated: bool = True
     known: bool = True
     earlier: tuple[Motion, ...] = ()
+    carried: bool = False
 
 
 def real_walk(

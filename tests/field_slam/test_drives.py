@@ -3,7 +3,17 @@
 import numpy as np
 import pytest
 
-from nao_course.field_slam.drives import INSIDE, STEP, Driver, OdometryNoisePerMove, room_ahead, start_of
+from nao_course.field_slam import drives
+from nao_course.field_slam.drives import (
+    CARRIED,
+    INSIDE,
+    STEP,
+    Driver,
+    OdometryNoisePerMove,
+    drive_over_field,
+    room_ahead,
+    start_of,
+)
 from nao_course.geometry import Pose, wrap_angle
 from nao_course.slam import Motion
 
@@ -48,3 +58,21 @@ def test_room_ends_at_the_edge_where_a_robot_stops():
         (Pose(0.35, 1.0, np.pi), 0.1),
     ):
         assert Driver(np.random.default_rng(1)).next(pose).distance == pytest.approx(room, abs=1e-9)
+
+
+def test_a_robot_is_carried_away_without_a_motion_and_drives_on_from_there(monkeypatch):
+    def driven(carried, moves=2, yaws=(0.0, 0.5)):
+        return list(drive_over_field(2, moves=moves, yaws=yaws, carried=carried))
+
+    as_usual, away = driven(None, 1), driven(1)
+    assert [shot.pose for shot in away[:2]] == [shot.pose for shot in as_usual[:2]]
+    assert (away[1].picture.pixels == as_usual[1].picture.pixels).all()
+    assert [shot.carried for shot in away] == [False, False, True, False, False, False]
+    assert away[2].motion == Motion() and away[3].motion is None
+    start, there, later = (shot.pose for shot in away[::2])
+    assert np.hypot(there.x - start.x, there.y - start.y) >= CARRIED
+    assert 0 < np.hypot(later.x - there.x, later.y - there.y) < 2 * STEP
+    assert INSIDE[0][0] < there.x < INSIDE[1][0] and INSIDE[0][1] < there.y < INSIDE[1][1]
+    monkeypatch.setattr(drives, "CARRIED", 100.0)  # as far away as possible
+    far = driven(1, 1, (0.0,))[1].pose
+    assert np.hypot(far.x - start.x, far.y - start.y) > 2.0

@@ -9,8 +9,9 @@ from scipy.stats import multivariate_normal
 from nao_course.field_slam import likelihood as model
 from nao_course.field_slam.compass import wrap_quarter
 from nao_course.field_slam.hypotheses import MOST, Hypothesis, MultipleHypotheses, without
-from nao_course.field_slam.joint_update import JointUpdate, LineObservation
+from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.likelihood import compass_log_densities, landmark_log_densities, line_log_densities
+from nao_course.field_slam.line_observation import LineObservation
 from nao_course.field_slam.observation import observation
 from nao_course.geometry import Pose
 from nao_course.slam import Measurement, Motion, range_and_bearing

@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 
 from nao_course.field_slam.compass import BodyTilt, estimate_body_tilt, wrap_quarter
-from nao_course.field_slam.joint_update import (
-    INTERNAL,
-    JointUpdate,
-    LinearisedMeasurement,
-    LineObservation,
-    field_lines,
-    scene,
-)
+from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, LinearisedMeasurement
 from nao_course.field_slam.known_shapes.circle import RADIUS, Circle, find_circle
+from nao_course.field_slam.line_observation import LineObservation, field_lines, scene
 from nao_course.field_slam.lines import to_ground
 from nao_course.field_slam.observation import observation, tilted
 from nao_course.geometry import Pose, wrap_angle

@@ -7,12 +7,13 @@ import pytest
 from scipy.special import logsumexp
 
 from nao_course.field_slam.compass import QUARTER, wrap_quarter
-from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, LineObservation
+from nao_course.field_slam.joint_update import INTERNAL, JointUpdate
 from nao_course.field_slam.kidnapping import recovery
 from nao_course.field_slam.kidnapping.candidates import Candidates, compass_likelihood
-from nao_course.field_slam.kidnapping.likelihood import KnownMap, PositionLikelihood, StopView
 from nao_course.field_slam.kidnapping.recovery import KidnapRecovery
 from nao_course.field_slam.known_shapes.circle import Circle
+from nao_course.field_slam.likelihood import KnownMap, PositionLikelihood
+from nao_course.field_slam.line_observation import LineObservation, StopView
 from nao_course.field_slam.observation import observation
 from nao_course.field_slam.surest_first import SurestFirst
 from nao_course.geometry import Pose, rotation_2d, wrap_angle
@@ -226,7 +227,7 @@ def test_what_was_mapped_between_kidnapping_and_alarm_is_not_on_the_map_afterwar
 def test_the_likelihood_of_a_filter_is_the_average_over_its_gaussian(joint, monkeypatch):
     slam, rng = KidnapRecovery(joint(START)), np.random.default_rng(5)
     pose = drive(slam, START, STOPS)
-    known = KnownMap.of(slam._after_pictures().slam)
+    known = slam._after_pictures().slam.known_map
     # The filter expects the robot to the left and turned to the left; a compass that contradicts moves both back.
     inner = slam._belief.slam.inner
     root = np.array([[0.03, 0.0, 0.0], [0.01, 0.03, 0.06], [0.0, 0.0, 0.02]])
@@ -252,7 +253,7 @@ def test_the_likelihood_of_a_filter_is_the_average_over_its_gaussian(joint, monk
 @pytest.fixture
 def known(mapped):
     slam, _ = mapped()
-    return KnownMap.of(slam._after_pictures().slam)
+    return slam._after_pictures().slam.known_map
 
 
 @pytest.mark.parametrize("pose", [Pose(1.0, 0.4, 0.2), Pose(2.0, -1.0, -2.8), Pose(0.7, 1.3, 1.0)])
@@ -414,7 +415,7 @@ def test_a_filter_that_is_placed_keeps_its_map_which_is_its_points_and_lines(joi
             circle=Circle(pose.to_local(np.zeros((1, 2)))[0], np.zeros((2, 2))),
         )
     )  # fmt: skip
-    known = KnownMap.of(slam)
+    known = slam.known_map
     assert known.kinds.count("centre") == 1 and len(known.kinds) == len(seen) + 1
     assert np.allclose(known.points[known.kinds.index("centre")], 0.0, atol=0.01)
     assert known.axes.tolist() == [0] and known.places[0] == pytest.approx(3.0, abs=0.01)

@@ -17,9 +17,12 @@ from nao_course.field_slam.association import associate_jointly
 from nao_course.field_slam.compass import estimate_body_tilt
 from nao_course.field_slam.drives import MOVES, YAWS, OdometryNoisePerMove, drive_over_field, inside
 from nao_course.field_slam.hypotheses import MultipleHypotheses
-from nao_course.field_slam.joint_update import JointUpdate, scene
+from nao_course.field_slam.joint_update import JointUpdate
+from nao_course.field_slam.kidnapping.candidates import Area
+from nao_course.field_slam.kidnapping.recovery import KidnapRecovery
 from nao_course.field_slam.known_shapes.calibration import CameraCalibration
 from nao_course.field_slam.known_shapes.white_posts import as_goal_colour
+from nao_course.field_slam.line_observation import scene
 from nao_course.field_slam.lines import corners_of_lines, read_lines
 from nao_course.field_slam.observation import POST_SIGMA, TILT_SIGMAS, Observation, observation, tilted
 from nao_course.field_slam.surest_first import SurestFirst
@@ -49,7 +52,8 @@ class Story:
     Poses are in the field frame; `odometry` follows from the commanded motions alone. The pictures of a stop are used
     together, in order of their compass. `calibration` is the camera's, where it was not calibrated. `vision` has the
     seconds from each picture's pixels to its observation, `slam` the seconds of each algorithm from a stop's
-    observations to its estimate, divided by the number of pictures.
+    observations to its estimate, divided by the number of pictures. `noticed` is how often the EKF has noticed that it
+    was carried away, and `lost` whether it does not know where it is.
     """
 
     frames: list[WalkFrame] = field(default_factory=list)
@@ -59,6 +63,8 @@ class Story:
     vision: list[float] = field(default_factory=list)
     slam: dict[str, list[float]] = field(default_factory=dict)
     calibration: CameraCalibration = field(default_factory=CameraCalibration)
+    noticed: list[int] = field(default_factory=list)
+    lost: list[bool] = field(default_factory=list)
 
     @property
     def poses(self) -> list[Pose]:
@@ -70,11 +76,17 @@ class Story:
         """Whether the true poses are known."""
         return all(frame.known for frame in self.frames)
 
+    @property
+    def carried(self) -> int | None:
+        """Number of the first picture after the robot was carried away; None if it was not."""
+        return next((number for number, frame in enumerate(self.frames) if frame.carried), None)
 
-def simulated(seed: int, moves: int, field: Field | None = None) -> Iterator[WalkFrame]:
-    """Render a drive over a field; see `drive_over_field`."""
-    for shot in drive_over_field(seed, moves=moves, field=field):
-        yield WalkFrame(shot.motion, shot.picture.pixels, shot.picture.view, shot.pose)
+
+def simulated(seed: int, moves: int, field: Field | None = None, kidnap: bool = False) -> Iterator[WalkFrame]:
+    """Render a drive over a field, half way of which a robot may be carried away; see `drive_over_field`."""
+    for shot in drive_over_field(seed, moves=moves, field=field, carried=moves // 2 if kidnap else None):
+        picture = shot.picture
+        yield WalkFrame(shot.motion, picture.pixels, picture.view, shot.pose, carried=shot.carried)
 
 
 def recorded(nao: RecordedNao) -> Iterator[WalkFrame]:
@@ -103,14 +115,21 @@ def recorded(nao: RecordedNao) -> Iterator[WalkFrame]:
 
 
 def route(
-    seed: int, walk: Path | None = None, field: Path | None = None, recording: Path | None = None
+    seed: int,
+    walk: Path | None = None,
+    field: Path | None = None,
+    recording: Path | None = None,
+    kidnap: bool = False,
 ) -> tuple[Iterator[WalkFrame], int | None, Field]:
     """Return the pictures of a drive or walk, their number if it is known, and the field.
 
     `walk`, a folder with ``amsterdam_2013`` or of the walk itself, or the folder of a `recording`, replaces the
-    simulated drive by real pictures. `field` is a file for `Field.from_toml`, by default the half field of 2012. Raise
-    a ValueError if a walk is given with one of the others, or if the recording or the field is not valid.
+    simulated drive by real pictures. `field` is a file for `Field.from_toml`, by default the half field of 2012. With
+    `kidnap`, the simulated robot is carried away half way. Raise a ValueError if these exclude each other, or if the
+    recording or the field is not valid.
     """
+    if kidnap and (walk or recording):
+        raise ValueError("--kidnap carries the simulated robot away: leave out --walk and --recording")
     if recording is not None:
         if walk is not None:
             raise ValueError("--recording and --walk are two different drives: give one of them")
@@ -123,7 +142,7 @@ def route(
     if walk is None:
         own = Field(2012) if field is None else Field.from_toml(field)
         inside(own)
-        return simulated(seed, MOVES, own), (MOVES + 1) * len(YAWS), own
+        return simulated(seed, MOVES, own, kidnap), (MOVES + 1) * len(YAWS), own
     if field is not None:
         raise ValueError("--field is for simulated drives; the real walk was recorded on a field of 2012")
     itself = (walk / "annotations.json").is_file()
@@ -269,19 +288,22 @@ def run_demo(
     slam: Sequence[str],
     joint: bool = False,
     rules: FieldDimensions = RULES,
+    area: Area | None = None,
 ) -> Story:
     """Run the algorithms, independently of each other, over the pictures of a drive.
 
     With `joint`, the EKF also uses the lines and the centre circle, and keeps several hypotheses: the student's filter
-    in a `JointUpdate` and `MultipleHypotheses`.
+    in a `JointUpdate` and `MultipleHypotheses`. With the `area` in which the robot can be, m, `KidnapRecovery` replaces
+    the hypotheses.
     """
     story = Story(estimates={name: [] for name in slam}, slam={name: [] for name in slam})
     algorithms: dict[str, SlamAlgorithm] = {}
+    joint = joint or area is not None
     for stop in _stops(see_all(functions, frames, story.calibration, joint, rules)):
         first = stop[0].frame
         motions = (*first.earlier, *([first.motion] if first.motion else []))
         if not algorithms:
-            algorithms = {name: _algorithm(functions, name, first.pose, joint) for name in slam}
+            algorithms = {name: _algorithm(functions, name, first.pose, joint, area) for name in slam}
         last = story.odometry[-1] if story.odometry else first.pose
         for motion in motions:
             last = last @ motion.as_pose()
@@ -297,12 +319,18 @@ def run_demo(
                 algorithm.observe(each.observation)
             story.estimates[name] += [algorithm.estimate()] * len(stop)
             story.slam[name] += [(time.perf_counter() - began) / len(stop)] * len(stop)
+        ekf = algorithms.get("ekf")
+        noticed, lost = (ekf.kidnappings, ekf.lost) if isinstance(ekf, KidnapRecovery) else (0, False)
+        story.noticed += [noticed] * len(stop)
+        story.lost += [lost] * len(stop)
     return story
 
 
-def _algorithm(functions: Functions, name: str, start: Pose, joint: bool) -> SlamAlgorithm:
+def _algorithm(functions: Functions, name: str, start: Pose, joint: bool, area: Area | None) -> SlamAlgorithm:
     kind = functions[ALGORITHMS[name].partition(":")[2]]
     inner = kind(start, OdometryNoisePerMove(), GATE, associate_jointly)
+    if area is not None and name == "ekf":
+        return KidnapRecovery(JointUpdate(inner), area)
     return SurestFirst(MultipleHypotheses(JointUpdate(inner)) if joint and name == "ekf" else inner)
 
 

@@ -5,21 +5,30 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from PIL import Image
 
 from nao_course._internal.counts import say_count
 from nao_course.field_slam.compass import estimate_body_tilt
 from nao_course.field_slam.demo.drive import Story
-from nao_course.field_slam.demo.report import errors_of, make_folder, results, sigma_of, way_of
+from nao_course.field_slam.demo.report import (
+    errors_of,
+    kidnapping_in_words,
+    make_folder,
+    results,
+    sigma_of,
+    way_of,
+)
 from nao_course.field_slam.lines import read_lines
 from nao_course.field_slam.observation import radius_of, tilted
-from nao_course.films import Film, drive_film, film_page
+from nao_course.films import Film, drive_film, film_page, line_layer
 from nao_course.geometry import FloatArray, Pose
 from nao_course.plotting import (
     LANDMARK_MARKERS,
@@ -40,6 +49,8 @@ LINES = "#00c8ff"  # over lines that were found in a picture
 # Pictures in the film, pictures per second, seconds of the last picture.
 FRAMES, PER_SECOND, LAST = (31, 3.0, 3.0)
 QUALITY = 80  # of 100: the carpet looks as in the pictures, and the file has half the size of a GIF
+CARRIED = "carried away"  # in legends
+ARROW = {"arrowstyle": "-|>", "ls": ":", "lw": 2.2, "shrinkA": 0, "shrinkB": 0}
 MILLIMETRE = 0.1  # cm: smallest error in the figure, whose axis is logarithmic
 
 
@@ -63,7 +74,11 @@ def film_of(story: Story, field: Field) -> Film:
     """Return the drive as a film of numbers, which a browser draws and plays."""
     estimates = {"odometry": _as_estimates(story.odometry), **story.estimates}
     truth = story.poses if story.has_truth else None
-    return drive_film("The robot maps the field by its pictures", field, truth, estimates, story.seen)
+    film = drive_film("The robot maps the field by its pictures", field, truth, estimates, story.seen)
+    if story.carried is None:
+        return film
+    ends = [_carried(story, number).reshape(-1, 4) for number in range(len(story.frames))]
+    return replace(film, layers=[*film.layers, line_layer(FOUND, ends, CARRIED, jumps=True, width=3)])
 
 
 def _as_estimates(poses: Sequence[Pose]) -> list[Estimate]:
@@ -89,10 +104,8 @@ def draw_story(story: Story, field: Field) -> Drawing:
         at_end = (
             f"odometry is {_off(story, 'odometry', -1):.0f} cm off; {at_end}. Below, the errors along the way"
         )
-    return Drawing(
-        figure,
-        f"A drive of {way_of(story.poses):.0f} m over the field, {len(story.frames)} pictures. At its end {at_end}.",
-    )
+    drive = f"A drive of {way_of(story.frames):.0f} m over the field, {len(story.frames)} pictures"
+    return Drawing(figure, " ".join([f"{drive}. At its end {at_end}.", *kidnapping_in_words(story)]))
 
 
 def write_film(story: Story, field: Field, path: Path, frames: int = FRAMES) -> Path:
@@ -113,14 +126,14 @@ def _frames(story: Story, field: Field, chosen: list[int]) -> Iterator[Image.Ima
         figure = Figure(figsize=(8.4, 4.3), dpi=100)
         seen, above = figure.subplots(1, 2, width_ratios=(1.28, 1))
         plot_field(field, above)
-        legend_below(figure, _keys(story, [name])[:3], columns=3)
+        legend_below(figure, _keys(story, [name])[: 3 + (story.carried is not None)])
         still = {ax: set(ax.get_children()) for ax in (seen, above)}
         for number in chosen:
             for ax, kept in still.items():
                 for artist in set(ax.get_children()) - kept:
                     artist.remove()
             seen.set_title(
-                f"after {way_of(story.poses[: number + 1]):.1f} m: {_plot_detections(seen, story, field, number)}",
+                f"after {way_of(story.frames[: number + 1]):.1f} m: {_plot_detections(seen, story, field, number)}",
                 fontsize=11,
             )
             _plot_drive(above, story, name, number)
@@ -137,15 +150,26 @@ def _plot_drive(ax: Axes, story: Story, name: str, number: int) -> None:
     """Plot the true path, the odometry, and the path and map of an algorithm up to a picture, over a field."""
     plot_path(story.odometry[: number + 1], ax, "odometry")
     if story.has_truth:
-        plot_path(story.poses[: number + 1], ax, "truth")
+        poses, first = story.poses[: number + 1], story.carried or 0
+        plot_path(poses[:first], ax, robot=number < first)
+        plot_path(poses[first:], ax)
     plot_path([each.pose for each in story.estimates[name][: number + 1]], ax, name, robot=False)
+    if len(ends := _carried(story, number)):
+        ax.annotate("", ends[1], ends[0], arrowprops={"color": FOUND, **ARROW}, zorder=4.2)
     plot_estimate(story.estimates[name][number], ax, name)
+
+
+def _carried(story: Story, number: int) -> FloatArray:
+    """Return both ends (2, 2) of the robot's way while it was carried, m; (0, 2) if that was not before a picture."""
+    first = story.carried
+    ends = [] if first is None or first > number else story.poses[first - 1 : first + 1]
+    return np.array([(pose.x, pose.y) for pose in ends]).reshape(-1, 2)
 
 
 def _plot_errors(ax: Axes, story: Story) -> None:
     """Plot the known errors of the position over the way on a logarithmic axis, and dotted the stated sigmas."""
     poses = story.poses
-    way = [way_of(poses[: number + 1]) for number in range(len(poses))]
+    way = [way_of(story.frames[: number + 1]) for number in range(len(poses))]
     for name in ("odometry", *story.estimates):
         style = style_of(name)
         if story.has_truth:
@@ -154,6 +178,8 @@ def _plot_errors(ax: Axes, story: Story) -> None:
         if name != "odometry":
             stated = [100 * sigma_of(each) for each in story.estimates[name]]
             ax.semilogy(way, np.maximum(stated, MILLIMETRE), color=style.colour, ls=":", lw=1.4)
+    if story.carried is not None:
+        ax.axvline(way[story.carried], color=FOUND, ls=":", lw=2.2)
     ax.set(xlabel="way (m)", ylabel="position error (cm)", xlim=(0, max(way[-1], 0.1)))
     ax.yaxis.set_major_formatter("{x:g}")
     ax.grid(alpha=0.3)
@@ -193,6 +219,8 @@ def _keys(story: Story, names: list[str]) -> list[Any]:
     keys = [source_key("truth", "true path")] if story.has_truth else []
     keys.append(source_key("odometry"))
     keys += [source_key(name, f"{style_of(name).label}, 95 %") for name in names]
+    if story.carried is not None:
+        keys.append(Line2D([], [], color=FOUND, ls=":", lw=2.2, marker=">", label=CARRIED))
     kinds = {kind for name in names for kind in story.estimates[name][-1].kinds}
     return keys + landmark_keys(kinds, "#4b5563", "mapped")
 
@@ -214,4 +242,5 @@ def _say_frame(story: Story, name: str, number: int) -> str:
     if not story.has_truth:
         return f"{style_of(name).label} {_say_off(story, name, number)}"
     odometry = f"odometry {_off(story, 'odometry', number):.0f} cm off"
-    return f"{odometry}, {style_of(name).label} {_off(story, name, number):.1f} cm"
+    found = "is lost" if story.lost[number] else f"{_off(story, name, number):.1f} cm"
+    return f"{odometry}, {style_of(name).label} {found}"

@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from nao_course._internal.counts import say_count
 from nao_course.field_slam.demo.drive import Story
+from nao_course.field_slam.walk import WalkFrame
 from nao_course.geometry import Pose, pose_errors, wrap_angle
 from nao_course.plotting.style import style_of
 from nao_course.robot import write_offsets
@@ -20,6 +22,7 @@ UNITS = (
     "way, position, sigma, landmarks_median: m; pose: m and rad; heading: degrees; times: ms per picture. "
     "Errors are those at the end."
 )
+BACK = 0.05  # m: a robot that was carried away is back if its error is smaller
 
 
 def results(story: Story, field_: Field) -> dict[str, Any]:
@@ -31,11 +34,13 @@ def results(story: Story, field_: Field) -> dict[str, Any]:
     found: dict[str, Any] = {
         "units": UNITS,
         "pictures": len(story.poses),
-        "way": way_of(story.poses),
+        "way": way_of(story.frames),
         "vision_ms": _milliseconds(story.vision),
     }
     if story.has_truth:
         found["odometry"] = errors_of(story.odometry[-1], story.poses[-1])
+    if story.carried is not None:
+        found["kidnapping"] = _kidnapping(story, story.carried)
     for name, estimates in story.estimates.items():
         last = estimates[-1]
         away = np.linalg.norm(last.landmarks[:, None] - places, axis=2)
@@ -71,7 +76,46 @@ def in_words(story: Story, field_: Field) -> list[str]:
         lines.append(
             f"{style_of(name).label}: {off}, {each['landmarks']} landmarks, {spent:.0f} ms per picture"
         )
-    return lines
+    return lines + kidnapping_in_words(story)
+
+
+def _kidnapping(story: Story, carried: int) -> dict[str, Any]:
+    """Return where the robot was carried away before a picture, and after how many stops it noticed and was back.
+
+    Stops are counted from 1; the number is None for what did not happen.
+    """
+    stops = [0, *(number for number, frame in enumerate(story.frames) if number and frame.motion is not None)]
+    there = stops[stops.index(carried) :]
+    off = [
+        errors_of(story.estimates["ekf"][number].pose, story.poses[number])["position"] for number in there
+    ]
+    noticed = [story.noticed[number] > story.noticed[carried - 1] for number in there]
+    back = [
+        known and not story.lost[number] and error < BACK
+        for number, known, error in zip(there, noticed, off, strict=True)
+    ]
+    return {
+        "stop": stops.index(carried) + 1,
+        "distance": errors_of(story.poses[carried - 1], story.poses[carried])["position"],
+        "noticed_after": 1 + noticed.index(True) if any(noticed) else None,
+        "back_after": 1 + back.index(True) if any(back) else None,
+    }
+
+
+def kidnapping_in_words(story: Story) -> list[str]:
+    """Return where the robot was carried away and when its EKF was right again, as text; nothing if it was not."""
+    if story.carried is None:
+        return []
+    found = _kidnapping(story, story.carried)
+    ending = "did not notice"
+    if found["noticed_after"]:
+        back = "but is still lost" if story.lost[-1] else "but was never within 5 cm again"
+        if found["back_after"]:
+            back = f"and was within 5 cm again after {found['back_after']}"
+        ending = f"noticed after {say_count(found['noticed_after'], 'stop')} {back}"
+    return [
+        f"The robot was carried {found['distance']:.1f} m away before stop {found['stop']}. Its EKF {ending}."
+    ]
 
 
 def keep_calibration(story: Story, path: Path) -> str:
@@ -98,10 +142,11 @@ def field_in_words(field_: Field) -> list[str]:
     return []
 
 
-def way_of(poses: Sequence[Pose]) -> float:
-    """Return the length of a path, m."""
-    path = np.array([(pose.x, pose.y) for pose in poses])
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+def way_of(frames: Sequence[WalkFrame]) -> float:
+    """Return the length of the path to the last picture, m, without the part on which the robot was carried."""
+    path = np.array([(frame.pose.x, frame.pose.y) for frame in frames])
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    return float(steps[[not frame.carried for frame in frames[1:]]].sum())
 
 
 def errors_of(pose: Pose, true: Pose) -> dict[str, float]:

@@ -1,3 +1,3 @@
-"""Recovery of a robot that is carried away: the likelihood of a stop, candidate poses, and a wrapper that uses both."""
+"""Recovery of a robot that is carried away: candidate poses, and a wrapper that uses them."""
 
-__all__ = ["candidates", "likelihood", "recovery"]
+__all__ = ["candidates", "recovery"]

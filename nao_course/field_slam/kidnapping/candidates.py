@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nao_course.field_slam.compass import QUARTER, reading_density, wrap_quarter
-from nao_course.field_slam.kidnapping.likelihood import KnownMap, PositionLikelihood, StopView
+from nao_course.field_slam.likelihood import KnownMap, PositionLikelihood
+from nao_course.field_slam.line_observation import StopView
 from nao_course.geometry import FloatArray, rotation_2d, wrap_angle
 from nao_course.slam import Motion
 

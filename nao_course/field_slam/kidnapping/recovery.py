@@ -21,7 +21,8 @@ from scipy.special import logsumexp
 from nao_course.field_slam.compass import wrap_quarter
 from nao_course.field_slam.joint_update import JointUpdate
 from nao_course.field_slam.kidnapping.candidates import Area, Candidates, compass_likelihood
-from nao_course.field_slam.kidnapping.likelihood import KnownMap, PositionLikelihood, StopView
+from nao_course.field_slam.likelihood import KnownMap, PositionLikelihood
+from nao_course.field_slam.line_observation import StopView
 from nao_course.field_slam.observation import Observation, as_observation
 from nao_course.geometry import Pose
 from nao_course.sim import Field
@@ -128,7 +129,7 @@ class KidnapRecovery(SlamAlgorithm):
 
     def _compare(self, stop: StopView) -> _Belief:
         """Return the belief whose probabilities, but not whose filter, are updated with a stop."""
-        belief, known = self._belief, KnownMap.of(self._belief.trusted)
+        belief, known = self._belief, self._belief.trusted.known_map
         elsewhere, logs = belief.elsewhere.aligned(stop).updated(stop, known, KIDNAPPED)
         there = -np.inf
         if belief.tracked:

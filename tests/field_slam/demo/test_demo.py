@@ -9,13 +9,16 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from nao_course.cli import app
+from nao_course.field_slam import drives
 from nao_course.field_slam.demo import drive, film, report
+from nao_course.field_slam.kidnapping.recovery import AREA, LEAST_STOPS
 from nao_course.field_slam.walk import WalkFrame
 from nao_course.geometry import Pose
 from nao_course.instructor.authoring.plans import load_solution
 from nao_course.robot import Recorder
 from nao_course.sim import NAO_V4, Field, Reality, SimulatedNao, render
 from nao_course.slam import DeadReckoning, Motion
+from tests.field_slam.test_kidnapping import LOOP, START, pictures
 from tests.paths import PROJECT, SOLUTIONS
 
 
@@ -49,6 +52,8 @@ def test_the_demo_says_how_far_off_it_ends_and_no_picture_is_lost_if_the_camera_
     assert found["way"] == pytest.approx(0.4)
     json.dumps(found, allow_nan=False)
     assert "0.100 m" in report.in_words(story, Field(2012))[1]
+    assert len(report.in_words(story, Field(2012))) == 2 and "kidnapping" not in found
+    assert film.CARRIED not in [layer.label for layer in film.film_of(story, Field(2012)).layers]
     blind = [replace(frame, calibrated=False) for frame in frames()]
     assert [each.frame for each in drive.see_all(FUNCTIONS, blind)] == blind
     taken = []
@@ -115,6 +120,62 @@ def test_with_the_joint_update_the_ekf_uses_lines_and_its_map_has_only_corners_a
     assert set(stories[1].estimates["ekf"][-1].kinds) <= {"corner", "post"}
 
 
+def test_the_report_says_after_how_many_stops_a_robot_that_was_carried_away_was_back(ekf, monkeypatch):
+    view, pixels, pose = NAO_V4.view("bottom", 0.0, -0.54), np.zeros((240, 320, 3), np.uint8), START
+    there, taken = Pose(2.3, 1.2, 2.4), [WalkFrame(None, pixels, view, pose)]
+    for stop in range(2, 25):
+        away = stop == 20
+        pose = there if away else pose @ LOOP.as_pose()
+        taken.append(WalkFrame(Motion() if away else LOOP, pixels, view, pose, carried=away))
+        taken.append(WalkFrame(None, pixels, view, pose))
+    monkeypatch.setattr(
+        drive,
+        "see_all",
+        lambda _, frames, *__: (drive.Seen(each, pictures(each.pose), 0.0) for each in frames),
+    )
+    story = drive.run_demo(FUNCTIONS | {"EkfSlam": ekf}, taken, ["ekf"], area=AREA)
+    found = report.results(story, Field(2012))
+    before = story.poses[story.carried - 1]
+    assert found["kidnapping"] == {
+        "stop": 20,
+        "distance": pytest.approx(np.hypot(before.x - there.x, before.y - there.y)),
+        "noticed_after": 2,
+        "back_after": 4,
+    }
+    assert found["ekf"]["position"] < 0.01 < 0.5 < found["odometry"]["position"]
+    assert found["way"] == pytest.approx(22 * LOOP.distance)
+    assert report.in_words(story, Field(2012))[2:] == report.kidnapping_in_words(story)
+    never, always = [0] * len(taken), [True] * len(taken)
+    for known, lost, ending in (
+        (never, story.lost, "did not notice."),
+        (story.noticed, always, "noticed after 2 stops but is still lost."),
+        (story.noticed, [*always, False], "noticed after 2 stops but was never within 5 cm again."),
+        (story.noticed, story.lost, "noticed after 2 stops and was within 5 cm again after 4."),
+        (always, story.lost, "did not notice."),  # but it raised an alarm before
+    ):
+        (says,) = report.kidnapping_in_words(replace(story, noticed=known, lost=lost))
+        assert says.endswith(ending) and "before stop 20. Its EKF" in says
+    drawn = film.draw_story(story, Field(2012))
+    (arrow,) = drawn.figure.axes[0].texts
+    assert np.allclose([arrow.xyann, arrow.xy], [(before.x, before.y), (there.x, there.y)])
+    assert "was carried" in drawn.alt
+    layer = film.film_of(story, Field(2012)).layers[-1]
+    assert layer.label == film.CARRIED and not any(len(each) for each in layer.frames[: story.carried])
+    assert np.allclose(layer.frames[story.carried], [(before.x, before.y, there.x, there.y)])
+
+
+@pytest.mark.parametrize(
+    ("given", "instead"),
+    [(["--slam", "graph"], "use it with --slam ekf or both"), (["--joint"], "leave out --joint")],
+)
+def test_a_kidnapping_needs_an_ekf_that_notices_it_and_a_simulated_robot(given, instead, tmp_path):
+    done = CliRunner().invoke(app, ["demo", "--kidnap", *given, "--out", str(tmp_path)])
+    assert done.exit_code == 1 and instead in " ".join(done.output.split())
+    for real in ({"walk": tmp_path}, {"recording": tmp_path}):
+        with pytest.raises(ValueError, match="leave out --walk and --recording"):
+            drive.route(1, kidnap=True, **real)
+
+
 def test_the_first_pictures_wait_until_the_camera_is_calibrated():
     offset, views, taken = np.radians(6.0), [], []
     functions = FUNCTIONS | {"measurements_from_pixels": lambda *seen: views.append(seen[2]) or []}
@@ -148,6 +209,19 @@ def test_the_solutions_drive_a_short_way_from_the_command_line(tmp_path, monkeyp
     assert max(found[name]["position"] for name in ("ekf", "graph")) < 0.1
     files = {"demo.json", "demo.png", "demo.webp", "film.json", "demo.html"}
     assert {path.name for path in tmp_path.iterdir()} == files
+
+
+@pytest.mark.slow
+def test_a_robot_with_the_solutions_is_carried_away_and_finds_its_pose(tmp_path, monkeypatch):
+    monkeypatch.chdir(PROJECT)
+    monkeypatch.setattr(drive, "MOVES", 2 * LEAST_STOPS)
+    done = CliRunner().invoke(app, ["demo", "--slam", "ekf", "--kidnap", "--out", str(tmp_path)])
+    assert done.exit_code == 0 and "within 5 cm again" in " ".join(done.output.split())
+    found = json.loads((tmp_path / "demo.json").read_text())
+    carried = found["kidnapping"]
+    assert carried["stop"] == LEAST_STOPS + 1 and carried["distance"] >= drives.CARRIED
+    assert found["ekf"]["position"] < 0.05
+    assert film.CARRIED in (tmp_path / "demo.html").read_text()
 
 
 @pytest.mark.slow
