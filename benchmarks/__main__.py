@@ -1,7 +1,5 @@
 """``python -m benchmarks`` runs every benchmark, ``python -m benchmarks NAME ...`` those named."""
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import re

@@ -1,7 +1,5 @@
 """List the tests that mirror the files changed since the main branch: ``python -m tests.changed``."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Iterable, Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What several tests need: recorded data, random numbers, a browser, and no windows."""
 
-from __future__ import annotations
-
 import gc
 import os
 import shutil

@@ -1,7 +1,5 @@
 """What holds for every figure, of the library and of a lesson."""
 
-from __future__ import annotations
-
 import html
 import re
 

@@ -3,8 +3,6 @@
 ``python -m tests.language FILE ...`` lists a file's offences with their lines.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import re

@@ -1,7 +1,5 @@
 """Which tests a process of `pytest -n` runs together, and what begins first: no core waits at the end."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 from xdist.scheduler import LoadScopeScheduling

@@ -1,7 +1,5 @@
 """Where the project is, for tests at any depth of the tree."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[1]

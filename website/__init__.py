@@ -1,7 +1,5 @@
 """The course as static pages: ``python -m website`` gathers lessons and docs, and Sphinx makes pages of them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 __all__ = ["ROOT"]

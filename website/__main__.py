@@ -1,7 +1,5 @@
 """``python -m website student`` builds the students' pages, ``python -m website instructor`` the instructors'."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import shutil

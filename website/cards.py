@@ -1,7 +1,5 @@
 """The cards of the first page: a part of each lesson's opening figure that can be read at a card's size."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What is wrong with built pages: links that lead nowhere, pictures without words, other hosts that are asked."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Sphinx's settings: pages that need no other host, and run nothing."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import sys

@@ -1,7 +1,5 @@
 """What each edition of the pages holds: the lessons and docs for students, or solutions and docs for instructors."""
 
-from __future__ import annotations
-
 import inspect
 import json
 import shutil

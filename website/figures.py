@@ -1,7 +1,5 @@
 """Figures of the solutions and films, which a lesson's page shows because it does not run code."""
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """``python -m website.guide`` writes the tables of lessons in the README, the instructors' guide and the syllabus."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 

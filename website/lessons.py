@@ -1,7 +1,5 @@
 """What a lesson's student notebook says of it: its title, its goal, how long it takes, what its parts are worth."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

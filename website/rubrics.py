@@ -1,7 +1,5 @@
 """The page by which answers in words are marked: each question, its points, its rubric."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from nao_course.exercises import Written

@@ -1,7 +1,5 @@
 """One camera against two: standard deviation of a distance by distance, resolution and head pitch."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

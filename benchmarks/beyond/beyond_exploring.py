@@ -1,7 +1,5 @@
 """Known part of a room after each move: nearest frontier, random goals, lanes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

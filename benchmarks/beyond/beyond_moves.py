@@ -1,7 +1,5 @@
 """Standard deviation and error after drives with chosen moves, with two fixed plans, and with random moves."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

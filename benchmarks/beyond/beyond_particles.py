@@ -1,7 +1,5 @@
 """FastSLAM against lesson 07's filter on the same drives: errors, NEES, time, and first particles with descendants."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -3,8 +3,6 @@
 ``python -m benchmarks challenges`` writes the rows beside each challenge's declaration, where the board reads them.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Entries to lesson 01's challenge: the paper's rule, the lesson's own, and one that does better than both."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import cv2

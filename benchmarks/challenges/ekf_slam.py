@@ -1,7 +1,5 @@
 """Entries of lesson 07's challenge: odometry, the homework's start, the reference, and a smoother of all of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

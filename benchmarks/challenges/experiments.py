@@ -3,8 +3,6 @@
 Each says its interval by rooms that it was tried in: others than the challenge's, of the same three presets.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Entries to lesson 09's challenge: odometry, plain Gauss-Newton, the lesson's kernel, and closures that are tested."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any

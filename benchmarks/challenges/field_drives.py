@@ -1,7 +1,5 @@
 """Entries of lesson 11's challenge: odometry, the lesson's filter by nearest neighbour and jointly, one smoother."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

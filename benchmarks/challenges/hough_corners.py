@@ -1,7 +1,5 @@
 """Entries to lesson 03's challenge: nothing, the paper's method as it stands, the lesson's own, and a better one."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import Any
 

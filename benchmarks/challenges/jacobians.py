@@ -1,7 +1,5 @@
 """Entries to lesson 05's challenge: no name, all entries beside finite differences, one after the other, a plan."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable
 from functools import cache

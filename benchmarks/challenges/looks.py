@@ -1,7 +1,5 @@
 """Entries to lesson 06's challenge: no measurement, near landmarks, the smallest covariance, a consistent filter."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Entries to lesson 08's challenge: none, the nearest, most information, and three one after the other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

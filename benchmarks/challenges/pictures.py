@@ -1,7 +1,5 @@
 """What a detector takes for a picture: RGB of bytes, of any size, also without a pixel."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import wraps
 from typing import Any

@@ -1,7 +1,5 @@
 """Entries to lesson 00's challenge: standing still, straight ahead, gate after gate, and a better order of gates."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 

@@ -1,7 +1,5 @@
 """Entries to lesson 04's challenge: the assumed tilt, the lesson's steps, and a standard deviation for each line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

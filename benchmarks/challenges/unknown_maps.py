@@ -1,7 +1,5 @@
 """Entries of lesson 12's challenge: standing still, a circle, the lesson's choice, and a search for what is new."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from itertools import product
 from typing import Any

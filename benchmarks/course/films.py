@@ -1,7 +1,5 @@
 """How large the films and the live map's messages are."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

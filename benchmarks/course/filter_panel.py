@@ -1,7 +1,5 @@
 """How much processor time a value of each slider of lesson 01's filter panel takes, with the lesson's solutions."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

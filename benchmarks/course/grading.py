@@ -1,7 +1,5 @@
 """How fast a class is graded: ``nao-course grade`` on 200 submissions of lesson 01, and how much memory it needs."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

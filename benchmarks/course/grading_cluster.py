@@ -6,8 +6,6 @@ calculated from processor times, not measured: 64 times what one core grades, or
 and keep, whichever is less. The latter is measured with workers that answer at once.
 """
 
-from __future__ import annotations
-
 import os
 import tempfile
 import time

@@ -3,8 +3,6 @@
 ``python -m benchmarks growth`` takes some minutes. Seconds are of a processor, of the process and all that it started.
 """
 
-from __future__ import annotations
-
 import os
 import tempfile
 from collections.abc import Callable

@@ -5,8 +5,6 @@ and counts the pictures that the browser has loaded. The machine's load is state
 share its cores; the processor time of each for one picture depends less on the load.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import tempfile

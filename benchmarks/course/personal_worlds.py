@@ -5,8 +5,6 @@ numbers wrong by up to 30 %; copied answers have the numbers of another student'
 its thirty pictures for each student take too long.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from benchmarks import ROOT, Result, Table

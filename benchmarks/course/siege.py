@@ -7,8 +7,6 @@ its stated points, takes no longer than a submission may take, changes neither i
 puts no hidden number on its page, and leaves no file and no process behind.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sqlite3

@@ -5,8 +5,6 @@ alternative k. What is taken out as known is the release and the answers that ar
 students whose answers the course does not know.
 """
 
-from __future__ import annotations
-
 import ast
 import random
 import subprocess

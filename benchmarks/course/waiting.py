@@ -5,8 +5,6 @@ environment, and measures both in turn. Seconds are of a processor, of the proce
 other programs change them little; the machine's load is stated. Memory is the proportional set size of the kernel.
 """
 
-from __future__ import annotations
-
 import os
 import resource
 import shutil

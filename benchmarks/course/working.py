@@ -4,8 +4,6 @@
 so that other programs change them little.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

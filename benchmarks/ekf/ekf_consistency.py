@@ -1,7 +1,5 @@
 """Whether lesson 07's filters are consistent: pose NEES over many drives with its 95 % band, and the time of a step."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

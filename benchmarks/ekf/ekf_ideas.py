@@ -4,8 +4,6 @@ Forgetting landmarks, a local map inside the large one (the compressed filter), 
 Use ``OMP_NUM_THREADS=1 python -m benchmarks ekf_ideas``: with more threads than one the times count them all.
 """
 
-from __future__ import annotations
-
 import time
 import timeit
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Lesson 07's functions on the logs of others: the homework's Table 1, and Freiburg's drive to its end."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

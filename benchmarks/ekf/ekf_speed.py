@@ -3,8 +3,6 @@
 ``python -m benchmarks ekf_speed`` also writes what the lesson's figure shows.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

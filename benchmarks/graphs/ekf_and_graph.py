@@ -3,8 +3,6 @@
 ``python -m benchmarks ekf_and_graph`` also writes what the lesson's figure shows.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from benchmarks import Result, Table, digits, solution, write_json

@@ -3,8 +3,6 @@
 ``python -m benchmarks linear_graphs`` also writes what the lesson's figure shows.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from typing import Any

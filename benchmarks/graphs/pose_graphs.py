@@ -4,8 +4,6 @@
 ``bench``; what is not installed is said and left out, and so are the standard graphs where there is no data folder.
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import os

@@ -5,8 +5,6 @@
 servers without systemd. All students come within a few seconds, which is the worst case: in a lab they come in minutes.
 """
 
-from __future__ import annotations
-
 import asyncio
 import os
 import pwd

@@ -1,7 +1,5 @@
 """A real JupyterHub with the class's configuration: installed, started, and removed with its accounts."""
 
-from __future__ import annotations
-
 import os
 import secrets
 import shutil

@@ -4,8 +4,6 @@ The functions are the lesson's own solution. Where carpet, posts and the backgro
 from the pictures' fitted geometry (benchmarks/simulator/real_scenes).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -4,8 +4,6 @@ All values of the better one were chosen on the simulator's tuning sets and the 
 1280 x 960; the 56 others, the walk, and the simulator's sets "report" and "whole" only report.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -5,8 +5,6 @@ point is comes from `benchmarks/simulator/reality.py`; where it is, from the rob
 The pictures choose nothing else: the camera is the maker's, its lens term that of the library.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any

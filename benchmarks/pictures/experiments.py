@@ -3,8 +3,6 @@
 ``python -m benchmarks experiments`` writes the means beside the lesson, where its figures read them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import product
 from typing import Any

@@ -3,8 +3,6 @@
 The functions are the lesson's own solution. Its values were chosen on the tuning pictures, before the others were used.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

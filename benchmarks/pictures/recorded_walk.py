@@ -1,7 +1,5 @@
 """What the course's detectors measure in the pictures of the real walk: writes the file of `recorded_walk`."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from benchmarks import ROOT, Result, Table, write_json

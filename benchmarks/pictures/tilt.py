@@ -6,8 +6,6 @@ points best (benchmarks/simulator/reality.py); it depends on where the robot sto
 centimetres.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@
 They were fitted once to the marked points and to the white lines.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 The geometry of each picture is known, so carpet and background are measured separately.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

@@ -6,8 +6,6 @@ pitch, roll and heading. Each marked point is then predicted with its own pictur
 set's fit, and itself left out of its picture's; the error is in pixels at 320 x 240.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

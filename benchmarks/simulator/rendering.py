@@ -1,7 +1,5 @@
 """How quickly the simulator takes a picture with its truth, on one core, in the preset `lab`."""
 
-from __future__ import annotations
-
 import time
 import tracemalloc
 

@@ -5,8 +5,6 @@ waits, so a stored picture of the same size says what the protocol costs. The pa
 pictures from the emulated robot and from a simulated one in its own process.
 """
 
-from __future__ import annotations
-
 import socket
 import subprocess
 import sys

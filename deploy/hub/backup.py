@@ -7,8 +7,6 @@ sudo python3 backup.py give BACKUP WHO           one student's notebooks, into a
 Nothing that exists is overwritten. It needs any Python, and `tar`.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import pwd

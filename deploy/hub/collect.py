@@ -10,8 +10,6 @@ clock and not by the student's. Students' files are not trusted: a link is never
 another user is never copied, and a student's files may have a limited size together.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import os

@@ -1,7 +1,5 @@
 """A student's account, named after what the learning platform says of the student. Needs only Python."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import subprocess

@@ -6,8 +6,6 @@ sudo python3 remove.py --all [--backups BACKUPS] --yes       at the end of a ter
 Without --yes it only lists what would be removed. The hub must be running. It needs any Python.
 """
 
-from __future__ import annotations
-
 import argparse
 import pwd
 import subprocess

@@ -1,7 +1,5 @@
 """Names of older releases: which words are replaced, and what an import of an old name says."""
 
-from __future__ import annotations
-
 import importlib
 
 import pytest

@@ -4,8 +4,6 @@ An entry stands for one thing that a reader of files, the loader of definitions 
 What only changes the inside of a function is another student's notebook (`tests/real_life`), not an entry here.
 """
 
-from __future__ import annotations
-
 import copy
 import gzip
 import importlib.util

@@ -1,7 +1,5 @@
 """What each hostile submission is after, and which of them are graded at lower levels, too."""
 
-from __future__ import annotations
-
 from tests.attacks.code import ATTACKS
 
 # By the row of the table of attacks and accidents.

@@ -5,8 +5,6 @@ entry stands for one way past one defence; another spelling of the same way is n
 of each attack by its name, or the source and what the result has to say (`says`).
 """
 
-from __future__ import annotations
-
 import json
 import re
 import textwrap

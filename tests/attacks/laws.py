@@ -1,7 +1,5 @@
 """What has to be true after a run over a catalogue, of each attack and of the run as a whole."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Sequence

@@ -4,8 +4,6 @@ The command may run as another user. It then has process numbers, message queues
 all its processes end with it, so hostile code can run where the sandbox leaves it free. The network is the machine's.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import resource

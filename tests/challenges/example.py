@@ -1,7 +1,5 @@
 """A challenge small enough for tests: double the numbers that are given."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

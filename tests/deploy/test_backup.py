@@ -1,7 +1,5 @@
 """What a backup has is given back as it was, and nothing that exists is overwritten."""
 
-from __future__ import annotations
-
 import os
 import pwd
 import sqlite3

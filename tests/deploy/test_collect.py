@@ -1,7 +1,5 @@
 """What collects a hub's notebooks trusts no student's files, and names folders as the exports need them."""
 
-from __future__ import annotations
-
 import os
 from datetime import UTC, datetime, timedelta
 from itertools import count

@@ -1,7 +1,5 @@
 """The files of deploy/hub say what the docs promise, and JupyterHub knows every option that they set."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import re

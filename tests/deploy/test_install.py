@@ -1,7 +1,5 @@
 """Releases lie beside each other on a server: an update touches nothing that runs, and there is a way back."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Two students on a real JupyterHub, end to end: accounts, lessons, cells, a panel, and what they see of each other."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

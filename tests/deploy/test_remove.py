@@ -1,7 +1,5 @@
 """An account is removed with all that belongs to it, and only when it is said twice."""
 
-from __future__ import annotations
-
 import threading
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from types import SimpleNamespace

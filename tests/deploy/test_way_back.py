@@ -1,7 +1,5 @@
 """A student's work comes along to a newer release on the hub, and back."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

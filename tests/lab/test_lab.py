@@ -1,7 +1,5 @@
 """The course opens JupyterLab with its own settings, and changes nothing in the environment for that."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """A drawing of each kind, and an estimate to draw."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from nao_course.geometry import Pose, rotation_2d

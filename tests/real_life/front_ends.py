@@ -4,8 +4,6 @@ The forms follow the programs' published sources and the structure of files in p
 show that a program keeps something, it is dropped.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from copy import deepcopy

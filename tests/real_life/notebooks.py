@@ -1,7 +1,5 @@
 """Notebooks that are odd but legitimate: a lesson's solution with one change of a kind that students make."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re

@@ -1,7 +1,5 @@
 """The three verdicts on a notebook: its own checks in Jupyter, `nao-course check` in a terminal, the grader."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """A course of one small lesson whose exercises build on each other, ready to be graded without being built."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

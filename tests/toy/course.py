@@ -1,7 +1,5 @@
 """A course in a folder of its own, as an author has it: one small lesson, or the first ones of the real course."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

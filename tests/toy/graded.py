@@ -1,7 +1,5 @@
 """A small class that hands in the lesson of `chain`, and what a journal says of it."""
 
-from __future__ import annotations
-
 import sqlite3
 from pathlib import Path
 from typing import Any

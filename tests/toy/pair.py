@@ -1,7 +1,5 @@
 """A course of two small lessons: the second uses a function and a class of the first, and has a class of its own."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

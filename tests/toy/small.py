@@ -1,7 +1,5 @@
 """Two small lessons with all that later lessons need: classes, earlier functions, matrices."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A lesson of two small exercises, so that the course's machinery can be tried without a real one."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

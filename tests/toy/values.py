@@ -1,7 +1,5 @@
 """A course of one lesson whose exercises hand over every kind of value, and compare it in every way."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

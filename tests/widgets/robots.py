@@ -1,7 +1,5 @@
 """What the panels' tests drive: robots without noise, algorithms that remember or fail, hands and eyes."""
 
-from __future__ import annotations
-
 import asyncio
 
 import cv2

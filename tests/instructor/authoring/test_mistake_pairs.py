@@ -1,7 +1,5 @@
 """Two known mistakes made together are diagnosed as both; a single mistake keeps its own message."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

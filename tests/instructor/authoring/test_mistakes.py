@@ -1,7 +1,5 @@
 """A mistake is a change of the solution: it is read, applied and run as written, and refused where it does not fit."""
 
-from __future__ import annotations
-
 import pytest
 
 from nao_course.exercises import Case, Definitions, Exercise, LessonPlan

@@ -1,7 +1,5 @@
 """The challenge of lesson 01: what is scored, and where points are lost."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

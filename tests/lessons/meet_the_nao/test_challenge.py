@@ -1,7 +1,5 @@
 """The challenge of lesson 00: gates, robots that drive blind, and where they are lost."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Gates: what becomes of a measurement is counted right, and the lesson says what thirty recorded drives say."""
 
-from __future__ import annotations
-
 import json
 import re
 
