@@ -1,7 +1,5 @@
 """Build the course: from each lesson's text the student copy, the executed solution and the data of its checks."""
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """The course as its course.toml describes it: which lessons there are, and what their exercises are worth."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The file course.toml: read, checked, and what is wrong in it said with its key and what is allowed."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 import unicodedata

@@ -1,7 +1,5 @@
 """Running a lesson from top to bottom, so that its outputs are the same each time."""
 
-from __future__ import annotations
-
 import asyncio
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """Find code of a solution in what students get, whatever its variables are called and wherever it stands."""
 
-from __future__ import annotations
-
 import ast
 import builtins
 import re

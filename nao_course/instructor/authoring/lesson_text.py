@@ -1,7 +1,5 @@
 """A lesson's text and its notebook: one is made from the other, and nothing is lost on the way."""
 
-from __future__ import annotations
-
 import ast
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping

@@ -4,8 +4,6 @@ cosmic-ray's operators change operators, numbers and conditions. The others here
 wrong in formulas and arrays: a forgotten term, a lost minus, swapped arguments, the wrong axis.
 """
 
-from __future__ import annotations
-
 import ast
 import copy
 import difflib

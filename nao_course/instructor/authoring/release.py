@@ -1,7 +1,5 @@
 """What a student gets: one zip, with nothing in it that only an instructor may know."""
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """Generated files that differ by rounding errors alone, because they were built on two kinds of processors."""
 
-from __future__ import annotations
-
 import json
 import re
 from base64 import b64decode

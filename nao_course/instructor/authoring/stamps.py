@@ -3,8 +3,6 @@
 `grade` asks before each run, so nothing here loads more than JSON: nbformat takes seconds to import.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Fingerprints of a student's answers to the exercises, so that people's decisions belong to them."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable

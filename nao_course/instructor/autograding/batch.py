@@ -1,7 +1,5 @@
 """A run over many submissions: what is missing or has changed is graded, and each result is kept as it comes."""
 
-from __future__ import annotations
-
 import threading
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator

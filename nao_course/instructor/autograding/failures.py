@@ -1,7 +1,5 @@
 """Messages for failed hidden cases: the type of failure in fixed words, without anything that depends on the input."""
 
-from __future__ import annotations
-
 import json
 import re
 import signal

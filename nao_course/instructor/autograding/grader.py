@@ -5,8 +5,6 @@ calls made before the code had seen any hidden input. For a hidden case, the pag
 fixed words, and the failing line.
 """
 
-from __future__ import annotations
-
 import contextlib
 import re
 import time

@@ -1,7 +1,5 @@
 """What a submission uses of earlier exercises: the student's own work, and the reference's for a second run."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

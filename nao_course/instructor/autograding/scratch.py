@@ -1,7 +1,5 @@
 """One temporary folder for all that a run lays down, so that a run which was killed leaves nothing for long."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re

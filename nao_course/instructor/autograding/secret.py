@@ -1,7 +1,5 @@
 """The instructor's secret, from which hidden cases are drawn: outside the repository, and made at first use."""
 
-from __future__ import annotations
-
 import hashlib
 import hmac
 import os

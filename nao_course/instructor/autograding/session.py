@@ -1,7 +1,5 @@
 """What a run of the grader needs before its first submission: prepared assignments, a tried sandbox, a warm server."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

@@ -1,7 +1,5 @@
 """The time of a submission, and retries: after an end from outside, or the death of a warm server."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable, Iterable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What lies in a folder or a zip: listed without following or trusting it, and unpacked only where it counts."""
 
-from __future__ import annotations
-
 import calendar
 import os
 import re

@@ -1,7 +1,5 @@
 """Notebooks of submissions, inspected without running them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from nao_course.exercises.answered import Inspection, inspect_content

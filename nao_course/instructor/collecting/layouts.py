@@ -4,8 +4,6 @@ The form of each platform's names is known from its source code or from public s
 these platforms' downloads is part of the tests. `docs/grade_a_class.md` describes the table for teachers.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

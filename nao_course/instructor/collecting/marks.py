@@ -1,7 +1,5 @@
 """Dates, times and attempts in names of folders and files: they order a student's work and belong to no name."""
 
-from __future__ import annotations
-
 import re
 from calendar import timegm
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Names of students, made safe: as names of files, on a terminal and on a page."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import unicodedata

@@ -1,7 +1,5 @@
 """What students ask to be looked at again: a small text file that they hand in beside their notebooks."""
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """The platforms' own sheets of a class: who is in it, under which numbers, and when each submission was made."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence

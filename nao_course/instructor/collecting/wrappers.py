@@ -1,7 +1,5 @@
 """Folders that hold the work of several students: removed where they are around everything, and refused elsewhere."""
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Sequence

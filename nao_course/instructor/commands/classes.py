@@ -1,7 +1,5 @@
 """What the commands about a whole class do and say: report, status, and requests to look again."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What the commands about decisions of people do and say: points by hand, answers to requests, undo, history."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What the command that exports grades does and says."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

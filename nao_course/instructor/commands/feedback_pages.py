@@ -1,7 +1,5 @@
 """The students' feedback pages in a folder of grades."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Paths and file names follow Gradescope's autograder documentation: the unpacked 
 a submission in /autograder/submission, and the result in /autograder/results/results.json.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

@@ -1,7 +1,5 @@
 """What the commands that grade do and say: grade, and regrade without points."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress

@@ -1,7 +1,5 @@
 """What commands look up in a journal; their errors name what is nearest to what was given."""
 
-from __future__ import annotations
-
 import difflib
 import getpass
 from collections.abc import Iterable, Iterator

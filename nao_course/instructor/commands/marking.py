@@ -1,7 +1,5 @@
 """What the commands about marks and comments do and say."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path

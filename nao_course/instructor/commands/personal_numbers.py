@@ -1,7 +1,5 @@
 """The numbers of each student's personal world, for those who mark written answers."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping

@@ -1,7 +1,5 @@
 """What the command about students does and says: who is known, who is who, and who is forgotten."""
 
-from __future__ import annotations
-
 import html
 import shutil
 from collections.abc import Iterator

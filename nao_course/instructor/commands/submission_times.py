@@ -1,7 +1,5 @@
 """When submissions were made: who says so, whom to trust, and of which nobody says it."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import replace

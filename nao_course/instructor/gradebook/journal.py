@@ -5,8 +5,6 @@ nothing of it; what was committed is with the operating system and outlives the 
 last few transactions, never the file, and the same command grades those again: an fsync for each result buys nothing.
 """
 
-from __future__ import annotations
-
 import json
 import sqlite3
 from collections import defaultdict

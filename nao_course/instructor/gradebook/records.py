@@ -1,7 +1,5 @@
 """What the grader and then people say of a submission: plain values that the journal keeps and exports read."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field

@@ -1,7 +1,5 @@
 """What a submission earns once a person's changes and marks count beside what the grader found."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext

@@ -1,7 +1,5 @@
 """The tables of a journal, what each version of them added, and how a journal of an earlier version gets it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from sqlite3 import Connection
 

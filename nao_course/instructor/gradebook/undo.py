@@ -4,8 +4,6 @@ Temporary triggers of the connection keep it, so that no statement that changes 
 another grader's changes at the same time are not taken for the command's.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from sqlite3 import Connection

@@ -1,7 +1,5 @@
 """Numbers of personal worlds in written answers, and how probable it is that they are there by chance."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Wrong answers by exercise and kind: a page to read, and a table of comments that each count for a whole kind."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Grades for other systems: a table for any gradebook, and results and an autograder for Gradescope."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime

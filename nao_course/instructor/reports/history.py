@@ -1,7 +1,5 @@
 """The history of one student on one page: what was handed in and graded, and what people decided, in order."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from operator import itemgetter
 from pathlib import Path

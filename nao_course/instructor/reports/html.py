@@ -1,7 +1,5 @@
 """Pages as one HTML file: escaped by construction, no script, no address, light and dark, from 360 pixels on."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import os

@@ -1,7 +1,5 @@
 """Marking sheets: written answers go out to people as tables and pages, and come back as marks."""
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

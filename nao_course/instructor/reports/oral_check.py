@@ -1,7 +1,5 @@
 """Questions for five minutes with a student about the student's own submission: changed lines, a result, a reason."""
 
-from __future__ import annotations
-
 import ast
 import json
 import random

@@ -1,7 +1,5 @@
 """Export to platforms: fill in the platform's own sheet, and name feedback files as the platform expects."""
 
-from __future__ import annotations
-
 import csv
 import io
 import re

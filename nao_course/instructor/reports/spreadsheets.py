@@ -1,7 +1,5 @@
 """CSV that spreadsheets open without harm; `tables` reads it back whatever a spreadsheet made of it."""
 
-from __future__ import annotations
-
 import codecs
 import csv
 import io

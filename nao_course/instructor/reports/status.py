@@ -1,7 +1,5 @@
 """What waits for a person: who handed in, what is to be marked or decided, and what to do next."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """`nao-course similar`: read the submissions, compare the students' own code, write the page."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Submissions that consist of the course's own answers, and written answers with the same words."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

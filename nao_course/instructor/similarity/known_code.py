@@ -1,7 +1,5 @@
 """Code that students may have in common: what a release gives them, and the course's own answers."""
 
-from __future__ import annotations
-
 import ast
 from collections import Counter
 from collections.abc import Iterator

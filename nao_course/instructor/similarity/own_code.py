@@ -1,7 +1,5 @@
 """The code that a student wrote, read from a submission without running it."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterable, Mapping

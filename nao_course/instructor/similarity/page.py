@@ -1,7 +1,5 @@
 """A page with pairs of similar notebooks: their code side by side, with what both contain marked."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ feedback and the secret stay with the grader. Options of TLS are Dask's configur
 and workers.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ipaddress
 import logging
