@@ -1,7 +1,5 @@
 """What a declaration's values have to be: said in the author's words, before anything is built of them."""
 
-from __future__ import annotations
-
 import dis
 import math
 import reprlib

@@ -3,8 +3,6 @@
 A name counts as mentioned wherever it stands, also in a text, so that too much is proven again and never too little.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Collection, Sequence

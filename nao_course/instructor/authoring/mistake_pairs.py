@@ -1,7 +1,5 @@
 """Pairs of mistakes: which of them a check can recognise, and the few answers that it needs for that."""
 
-from __future__ import annotations
-
 import zlib
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

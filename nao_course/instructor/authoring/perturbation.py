@@ -1,7 +1,5 @@
 """Inputs that differ in their last digits: where the answers to them differ, the answers are rounding errors."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Refuse a declaration that would fail a student later: each mistake is recognised, each alternative is right."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections import Counter

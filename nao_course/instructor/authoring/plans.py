@@ -1,7 +1,5 @@
 """A lesson's declaration and its reference: loaded, and turned into what a student's checks carry."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import sys

@@ -4,8 +4,6 @@ A proof is kept in two places. The manifest `solutions/proofs.json` is committed
 data, so that a release of a fresh clone proves nothing. The folder `build/proofs` has what was proven here since.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

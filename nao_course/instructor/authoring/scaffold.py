@@ -1,7 +1,5 @@
 """The beginning of a lesson or an exercise: it builds, and says TODO where work is needed."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Sequence

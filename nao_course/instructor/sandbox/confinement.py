@@ -1,7 +1,5 @@
 """Confines a student's code to its own inputs: namespaces, a view of few files, a filter of system calls, limits."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os

@@ -4,8 +4,6 @@ It listens on one inherited socket and nothing else, holds nothing of any submis
 its own, whose other end the grader keeps: no worker can speak to the server.
 """
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import importlib

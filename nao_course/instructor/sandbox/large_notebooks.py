@@ -1,7 +1,5 @@
 """Large notebooks without their outputs, read one at a time: to parse JSON takes several times its size in memory."""
 
-from __future__ import annotations
-
 import tempfile
 import threading
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Which layers of the sandbox this machine has: each is tried in a process that is thrown away."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

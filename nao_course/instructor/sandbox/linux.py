@@ -1,7 +1,5 @@
 """The few calls of the Linux kernel that Python has no name for; each raises OSError as Python's own do."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import struct

@@ -1,7 +1,5 @@
 """The processes that workers run in, and how each is started and ended."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Which system calls a student's code may not make, as a program that the kernel runs before each of them."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import tempfile

@@ -1,7 +1,5 @@
 """The grader's end of the warm server: starts it, asks it for sandboxed workers, and starts it again when it dies."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import socket

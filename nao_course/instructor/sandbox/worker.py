@@ -3,8 +3,6 @@
 Whatever the process says or does, its caller gets an `Outcome` in time.
 """
 
-from __future__ import annotations
-
 import contextlib
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The student's end of a worker: a process that loads a notebook and answers calls until nobody asks any more."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import importlib
