@@ -310,8 +310,6 @@ NEEDED_BY_THE_WORLD = {
     *("warp2pi", "predict_pose", "expected_measurement", "ground_to_measurement"),
     *("nees", "nis", "evaluate_landmarks", "detection_cost"),
 }
-
-
 Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 
 

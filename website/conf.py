@@ -58,8 +58,6 @@ html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
 html_show_copyright = False
-
-
 COLON = "\ue000"  # stands for a colon while napoleon reads
 
 

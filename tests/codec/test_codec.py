@@ -24,8 +24,6 @@ arrays = hnp.arrays(
 plain = st.none() | st.booleans() | st.integers(-(2**500), 2**500) | st.floats() | st.complex_numbers()
 leaves = plain | st.binary() | st.text(st.characters(exclude_categories=["Cs"])) | arrays
 numbers = st.none() | st.booleans() | st.integers(-(2**60), 2**60) | st.floats(allow_nan=False)
-
-
 keys = st.recursive(
     numbers | st.text(max_size=3), lambda of: st.lists(of, max_size=3).map(tuple), max_leaves=4
 )

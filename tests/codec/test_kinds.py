@@ -188,8 +188,6 @@ def test_an_expression_of_sympy_is_told_from_other_strangers_and_no_class_passes
 
 
 TYPE = f"{__name__}:Row"
-
-
 POSE, FIELD = "nao_course.geometry:Pose", "nao_course.sim.field:Field"
 SENSELESS = [
     *({"m": each} for each in (1, [[1]], [[1, 2, 3]], [[1, 2], [True, 3]], [[{"f": "0x1p0"}, 2], [1, 3]])),
@@ -269,8 +267,6 @@ def arrays(*given):
 
 
 FINE = ([1.0, 2.0], np.array([0, 1], "i4"), np.array([0, 1, 2], "i4"))
-
-
 ONES = [1.0, 2.0]
 NO_SPARSE = [
     *(("csr_array", [2, 2], (ONES, indices, [0, 1, 2])) for indices in ([0, 2], [0, -1], [0], [0.0, 1.0])),

@@ -174,8 +174,6 @@ def test_a_definition_under_another_magic_is_named(magic, read):
 
 
 ANSWER = "It is one pixel."
-
-
 BLANK = "*Write your answer here: double-click this text.*"
 OWN = {
     "in a string": code(f'"""{ANSWER}"""'),

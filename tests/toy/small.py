@@ -122,8 +122,6 @@ def smoothing(size: int) -> np.ndarray:
     ### END SOLUTION
 ''',
 )
-
-
 LAWS = '''"""What a small lesson's own answers have to be."""
 
 import numpy as np

@@ -151,8 +151,6 @@ def test_the_points_stay_where_the_judging_is_and_numbers_are_no_expressions():
 
 RAW = sent(MODEL, RIGHT)
 END = len(RAW["steps"])
-
-
 FORGED_STEPS = [
     *(("sin", place) for place in (END, END + 5, -1, True)),
     *(("system", 0), ("__class__",), ("symbol", "l"), ("constant", "tau"), np.ones(3), None),

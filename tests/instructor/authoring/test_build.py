@@ -187,13 +187,9 @@ def test_points_of_the_course_file_count(course):
 
 
 SOLVED = "    ### BEGIN SOLUTION\n    return 2.0 * value\n    ### END SOLUTION"
-
-
 CELL = "```{code-cell} ipython3"
 CHECK = f'{CELL}\n:check: double\n\ncheck("double", double)\n```\n'
 DECLARED = "exercises/01_toy.py, 01_toy.md, cell 4 .*"
-
-
 IN_TEXT = {
     "a cell without options": (":role: display\n", "", "01_toy.md, cell 7 .'print.*needs one of :exercise:"),
     "an unknown role": (":role: display", ":role: dsplay", "cell 7 .*no role 'dsplay'"),

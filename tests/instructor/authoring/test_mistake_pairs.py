@@ -38,11 +38,7 @@ MISTAKES = """
     nothing done: + return x
         The function returns its input.
 """
-
-
 GAIN, OFFSET, WRAP, SQUARE, NOTHING = (line.strip() for line in MISTAKES.splitlines()[2::2])
-
-
 X = np.array([-35.0, 12.5, 99.0, 300.0])
 
 

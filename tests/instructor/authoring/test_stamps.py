@@ -89,8 +89,6 @@ def test_what_text_cannot_hold_is_refused(built, what):
 
 
 BUILD, THERE = "was edited since it was built: run `nao-course build 01`", "solutions/01_toy.ipynb"
-
-
 EDITS = {  # what an author may have done since the build, and what is said of it
     "text": (lambda course: write(course.text("01_toy"), "Words", "More"), f"solutions/01_toy.md {BUILD}"),
     "declaration": (
@@ -105,8 +103,6 @@ EDITS = {  # what an author may have done since the build, and what is said of i
     "not run": (lambda course: run("build", "--no-execute"), f"{THERE} was built without being run: run"),
 }
 COMMANDS = ("mutate 01", "grade handed_in --out grades", "release --out dist")
-
-
 ONLY_TO_RELEASE = "not run"  # only a release needs the outputs
 
 

@@ -87,8 +87,6 @@ def test_a_page_that_cannot_be_written_stops_nobody_and_its_result_is_kept(toy, 
 
 
 GOOD = chain.notebook(answer="Because.")
-
-
 OTHERS = ((chain.LESSON.encode(), b"91_other"), (b"def ", b"def other_"), (b"class ", b"class Other"))
 NEWER = {
     "a page": b"<!DOCTYPE html>",
@@ -175,8 +173,6 @@ with Journal(Path(sys.argv[4])) as journal, WarmServer(sandbox, warm=False) as s
     done = grade_all(found, lambda _: assignment, journal, jobs=2, server=server)
 print(done.graded, flush=True)
 """
-
-
 KILLS = 8
 
 

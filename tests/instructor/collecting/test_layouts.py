@@ -56,8 +56,6 @@ class Sample:
 
 
 _BLACKBOARD = "Lab {}_s124_attempt_2024-10-{}-22-59-10"
-
-
 _MOODLE = "Ada Lovelace_1234567_assignsubmission_file_"
 _SAKAI = "Lovelace, Ada(adalovelace)"
 _NBGRADER = "inbound/ada+01_hsl_filtering+2026-11-20 21:4"
@@ -333,8 +331,6 @@ def test_blackboards_receipt_tells_a_title_from_a_user_that_both_have_underscore
 
 
 STUDENTS = ["Ada Lovelace", "lovelace_ada", "s124", "José Núñez", "李明", "O'Brien, Mae", "nao 7"]
-
-
 TIMES = ["{:%Y-%m-%d %H:%M}", "{:%Y%m%d-%H%M%S}", "{:%b %d, %Y %I%M %p}", "{:%d.%m.%Y %H.%M}"]
 TIMES += ["{:%Y-%m-%dT%H:%M:%SZ}"]
 
@@ -392,11 +388,7 @@ def test_canvas_knows_its_own_names_again():
 
 
 LONG = 60_000
-
-
 PIECES = ["1", "a", "_", "-", " ", ".", "(1)", "_1", "-1", " copy", "copy of ", "-0a", "\n", HSL[:-6], "1-"]
-
-
 PIECES += ["Nov 1, ", "_1_assignsubmission_file_", "_attempt_2024-", "+", "(a", " - ", "2026-11-", "attempt "]
 
 

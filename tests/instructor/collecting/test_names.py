@@ -4,8 +4,6 @@ from nao_course.exercises.lesson_names import lesson_and_more, lesson_of
 from nao_course.instructor.collecting.names import LONGEST_NAME, clean_name, safe_name
 
 LESSONS = ["00_meet_the_nao", "01_hsl_filtering", "02_goal_posts"]
-
-
 NAMED = "{}; {} (1); {}(12); {}\u00a0(1); 01\u00a0hsl\u2009filtering; {}-2; {} (1) ; {}_copy; {}-Copy1"
 NAMED += "; 01-hsl-filtering; 01 hsl filtering v2; ada_{}; Copy of {}; Kopie von Kopie von {} (2); {}_final (1)-Copy2"
 

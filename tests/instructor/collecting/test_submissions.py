@@ -42,8 +42,6 @@ STAMPED = b'{"cells": [], "metadata": {"nao_course": {"lesson": "01_hsl_filterin
 CLAIMED = json.dumps(
     {"cells": [{"source": '"nao_course": {"lesson": "01_hsl_filtering"}'}], "metadata": {}}
 ).encode()
-
-
 ONLY_01 = ["01_hsl_filtering"]
 
 

@@ -77,8 +77,6 @@ def secret(tmp_path):
 
 
 READ = {"python": "open(args[0]).read()", "the C library": "checked(libc.open(args[0].encode(), 0))"}
-
-
 OURS = ("solutions/01_hsl_filtering.ipynb", "tests/sandboxed.py", "nao_course/instructor/sandbox/worker.py")
 
 
@@ -101,8 +99,6 @@ MOUNTING = [
     "checked(libc.setns(os.open('/proc/self/ns/net', 0), 0))",
     "checked(libc.sethostname(b'x', 1))",
 ]
-
-
 CHANGES = [f"open(args[0], {mode!r})" for mode in "wa"] + ["os.remove(args[0])", "os.truncate(args[0], 0)"]
 CHANGES += ["open(args[0] + '2', 'w')", "os.mkdir(args[0] + '2')", "os.symlink('/', args[0] + '2')"]
 CHANGES += [
