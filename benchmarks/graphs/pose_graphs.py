@@ -18,11 +18,10 @@ import numpy as np
 import scipy.sparse.linalg
 import scipy.spatial
 
-from benchmarks import Result, Table, digits, solution, write_json
+from benchmarks import Result, Table, digits, solution
 from nao_course.datasets import data_folder, read_g2o
 from nao_course.geometry import FloatArray
 from nao_course.graphs import LANDMARK, POSE, Graph
-from nao_course.lessons.pose_graphs.measured.recorded import COSTS
 from nao_course.lessons.pose_graphs.worlds import between
 
 OWN = solution("09")
@@ -329,13 +328,12 @@ def _runs(graph: Graph, states: FloatArray) -> dict[str, Callable[[], Any]]:
 
 
 def main() -> Result:
-    """Measure both, and write what the lesson shows."""
+    """Measure both."""
     with one_core():
         graphs, notes = problems()
         rows = {name: beside_gtsam(*problem) for name, problem in graphs.items()}
         costs = by_size()
     rounded = digits(costs)
-    write_json(COSTS, rounded, 1)
     missing = [name for name in ("gtsam", "qdldl") if not installed(name)]
     notes += [f"without {name}, which is not installed: the extra bench has it" for name in missing]
     beside = {

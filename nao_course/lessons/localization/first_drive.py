@@ -120,11 +120,6 @@ def run_first_drive(
     return trace, given.records
 
 
-def first_fault() -> int:
-    """Return the step of the first drive at which the given filter's NEES first exceeds its 95 % limit."""
-    return int(np.flatnonzero(run_first_drive()[0].nees > LIMIT)[0])
-
-
 @course_style()
 def draw_first_drive(
     innovation: Function | None = None,

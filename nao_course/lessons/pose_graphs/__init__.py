@@ -17,7 +17,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "guesses": ("HEADINGS", "arrivals", "draw_arrivals", "half_of_them"),
         "information": ("draw_information_frames",),
         "matrices": ("count_of_free_moves", "draw_free_moves"),
-        "measured": ("draw_ekf_and_graph", "draw_solver_costs"),
+        "measured": ("draw_ekf_and_graph",),
         "panels": ("EdgePanel", "RelaxPanel"),
         "robust": ("draw_false_closures", "robust_gauss_newton"),
         "scan_maps": ("draw_scans",),

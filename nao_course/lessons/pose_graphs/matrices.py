@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse
-import scipy.sparse.linalg
 from matplotlib.figure import Figure
 
 from nao_course.geometry import FloatArray
@@ -19,13 +18,6 @@ from nao_course.plotting.legends import legend_below
 from nao_course.plotting.style import GREY
 
 Linearize = Callable[[Graph, FloatArray], tuple[Any, FloatArray]]
-
-
-def factor_of(H: Any, ordering: str) -> Any:
-    """Return the sparse factors of a symmetric matrix for an order of its variables: "NATURAL" or "MMD_AT_PLUS_A"."""
-    return scipy.sparse.linalg.splu(
-        H.tocsc(), permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
 
 
 def block_picture(H: Any, poses: int, side: int = 500) -> npt.NDArray[np.uint8]:

@@ -46,7 +46,7 @@ def test_the_given_filter_loses_the_robot_as_the_text_states_and_a_wrapped_innov
     broken, records = first_drive.run_first_drive()
     off = np.hypot(*broken.errors[:, :2].T)
     stated = np.sqrt(broken.covariances[:, 0, 0] + broken.covariances[:, 1, 1])
-    fault = first_drive.first_fault()
+    fault = int(np.flatnonzero(broken.nees > first_drive.LIMIT)[0])
     worst = max(records, key=lambda each: abs(each.innovation))
     mended, _ = first_drive.run_first_drive(own["innovation"])
     most = np.hypot(*mended.errors[:, :2].T).max()

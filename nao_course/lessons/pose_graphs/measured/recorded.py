@@ -1,4 +1,4 @@
-"""Figures of recorded benchmarks for lesson 09: EKF and graph, and the cost of solving."""
+"""The figure of a recorded benchmark for lesson 09: EKF and graph."""
 
 from __future__ import annotations
 
@@ -15,10 +15,8 @@ from matplotlib.ticker import LogLocator
 from nao_course.metrics import band
 from nao_course.plotting import STYLES, Drawing, course_style
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.style import GREY
 
 EKF_AND_GRAPH = Path(__file__).with_name("ekf_and_graph.json")
-COSTS = Path(__file__).with_name("costs.json")
 
 
 @course_style()
@@ -86,39 +84,3 @@ def _plot_band(ax: Axes, runs: int) -> None:
     ax.annotate(
         "consistent: 95 %", (1, low), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=9
     )
-
-
-_SERIES = {
-    "dense": (STYLES["odometry"].colour, "s"),
-    "sparse, in scipy's own order": (GREY, "v"),
-    "sparse, numbers ordered at each step": (STYLES["ekf"].colour, "^"),
-    "sparse, poses ordered once": (STYLES["graph"].colour, "D"),
-    "with the wheel qdldl": ("#3f9b55", "P"),
-    "GTSAM": (STYLES["truth"].colour, "o"),
-}
-
-
-@course_style()
-def draw_solver_costs() -> Drawing:
-    """Draw the recorded seconds of three steps of Gauss-Newton by the number of poses.
-
-    Returns
-    -------
-    Drawing
-        One plot, with the peers that were installed when ``python -m benchmarks pose_graphs`` ran.
-    """
-    recorded = json.loads(COSTS.read_text(encoding="utf-8"))
-    words = []
-    figure = Figure(figsize=(9.0, 5.0))
-    ax = figure.subplots()
-    for name, rows in recorded.items():
-        colour, marker = _SERIES[name]
-        poses, seconds = ([row[key] for row in rows] for key in ("poses", "seconds"))
-        ax.plot(poses, seconds, color=colour, marker=marker, ms=6, lw=2, label=name)
-        words.append(f"{name}: {seconds[-1]:.3g} s for {poses[-1]:,.0f} poses")
-    ax.set(xscale="log", yscale="log", xlabel="poses", ylabel="seconds for three steps")
-    ax.xaxis.set_major_formatter("{x:,.0f}")
-    ax.yaxis.set_major_formatter("{x:g}")
-    ax.grid(color="#e3e5e8")
-    legend_below(figure, ax.get_legend_handles_labels()[0], columns=3)
-    return Drawing(figure, f"Cost of a pose graph by its size, on one core. {'; '.join(words)}.")
