@@ -15,12 +15,12 @@ from tests.browser.lesson_panels import PanelPage
 
 COLUMNS, WIDTH, LABEL, GAP = 3, 760, 26, 20  # px of a panel on the sheet, and of the line above it
 BARS = 134  # px of a laptop's screen that browser and JupyterLab take
-# Width of the page in px, and theme; a page of 1280 px at 125 % is one of 1024 px.
+# Width of the page in px, enlargement and theme; a page of 1280 px at 125 % is one of 1024 px.
 PAGES = {
-    "1280": (1280, "Light"),
-    "1280_at_125_percent": (1024, "Light"),
-    "900": (900, "Light"),
-    "1280_dark": (1280, "Dark"),
+    "1280": (1280, 1.0, "Light"),
+    "1280_at_125_percent": (1024, 1.25, "Light"),
+    "900": (900, 1.0, "Light"),
+    "1280_dark": (1280, 1.0, "Dark"),
 }
 
 
@@ -31,18 +31,15 @@ def contact_sheets() -> Iterator[tuple[str, bytes]]:
         notebooks.mkdir()
         with jupyter_lab(notebooks, settings) as lab, browser_page(chromium()) as opened:
             page = PanelPage(lab, opened)
-            for name, (width, theme) in PAGES.items():
+            for name, (width, enlarged, theme) in PAGES.items():
                 page.choose(theme)
-                yield (
-                    name,
-                    _sheet([(each, page.photograph(at, width)) for at, each in enumerate(page.labels)]),
-                )
+                shots = [(each, page.photograph(at, width)) for at, each in enumerate(page.labels)]
+                yield name, _sheet(shots, round(LAPTOP["height"] / enlarged) - BARS)
 
 
-def _sheet(shots: Sequence[tuple[str, bytes]]) -> bytes:
-    """Lay pictures out in columns, each in the column that is shortest so far."""
+def _sheet(shots: Sequence[tuple[str, bytes]], end: int) -> bytes:
+    """Lay pictures out in columns, each in the column that is shortest so far, with a line at the height `end`, px."""
     placed, heights = [], [0] * COLUMNS
-    end = LAPTOP["height"] - BARS
     for label, shot in shots:
         picture = Image.open(io.BytesIO(shot)).convert("RGB")
         ImageDraw.Draw(picture).line([(0, end), (picture.width, end)], (220, 0, 0), 2)

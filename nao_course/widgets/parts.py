@@ -86,6 +86,14 @@ panel.addEventListener('click', event => {
   if (field) field.focus({preventScroll: true});
 });"""
 
+# Shift+Enter chooses the next cell, and JupyterLab holds that cell where it is: a new panel would grow out of sight.
+_INTO_SIGHT = """const panel = this.closest('.nao-panel');
+if (!panel || panel.naoSeen) return;
+panel.naoSeen = true;
+if (panel.closest('.jp-Cell:has(+ .jp-Cell.jp-mod-active)')) {
+  setTimeout(() => panel.scrollIntoView({block: 'nearest'}), 300);
+}"""
+
 
 class LabelledImage(anywidget.AnyWidget):
     """A picture with a text alternative, which the pictures of ipywidgets do not have.
@@ -198,9 +206,9 @@ def bundle(widget: Any, drawing: Drawing, text: str, alt: str) -> dict[str, Any]
 
 
 def styles(own: str, *scripts: str) -> Any:
-    """Return the common and own styles of a panel, and scripts: they confine keys, name sliders and give back keys."""
+    """Return the common and own styles of a panel, and scripts for keys, sliders and a new panel's place."""
     return ipywidgets.HTML(
-        styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES, _KEYS_AFTER_A_BUTTON, *scripts)
+        styles_that_keep_keys(COMMON_CSS + own, _SLIDER_NAMES, _KEYS_AFTER_A_BUTTON, _INTO_SIGHT, *scripts)
     )
 
 

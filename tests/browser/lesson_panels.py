@@ -2,6 +2,7 @@
 
 import ast
 import builtins
+import re
 from functools import cache
 from typing import Any
 
@@ -12,7 +13,9 @@ from nao_course.instructor.authoring.plans import load_solution, solutions_besid
 from tests.browser.lab import Lab
 from tests.paths import SOLUTIONS
 
+# The robot without a solved lesson, and with all lessons solved
 MY_NAO = "from nao_course.student import my_nao\nmy_nao()"
+MY_SOLVED_NAO = f"%cd -q {SOLUTIONS}\nmy_nao()"
 PANELS = ("Panel", "Lab", "Dial")  # ends of the names of the classes whose call ends a cell
 # No panel of a busy machine is stopped for being late, and nothing is imported before the limit is known. The filter
 # panel calls every function slow, so that its text, and with it its height, is the same on every machine.
@@ -40,6 +43,16 @@ def panel_cells() -> list[tuple[str, int]]:
     ]
 
 
+def further_cells() -> list[tuple[str, int]]:
+    """Return (lesson, number of the code cell) of each derivation sheet, and of each panel that has a name."""
+    return [
+        (path.stem, number)
+        for path in sorted(SOLUTIONS.glob("*.ipynb"))
+        for number, source in enumerate(code_cells(path.stem))
+        if re.search(r"^(\w+\.\w+_sheet\(\)|panel)$", source.rstrip().split("\n")[-1])
+    ]
+
+
 def panels_by_kind() -> dict[str, tuple[str, int]]:
     """Return (lesson, number of the code cell) of the first panel of each kind, by the name of its class."""
     cells = {(lesson, number): code_cells(lesson)[number] for lesson, number in reversed(panel_cells())}
@@ -62,14 +75,15 @@ def _panel_of(lesson: str, number: int) -> Any:
 
 
 class PanelPage:
-    """A page with the panels of all lessons, and `my_nao()`, below each other."""
+    """A page with the panels and derivation sheets of all lessons, and `my_nao()`, below each other."""
 
     def __init__(self, lab: Lab, page: Any) -> None:
         self.page = page
-        places = panel_cells()
-        self.labels = [f"{lesson[:2]}, code cell {number}" for lesson, number in places] + ["my_nao()"]
+        places = panel_cells() + further_cells()
+        self.labels = [f"{lesson[:2]}, code cell {number}" for lesson, number in places]
+        self.labels += ["my_nao(), nothing solved", "my_nao(), everything solved"]
         cells = [f"panel_of({lesson!r}, {number})" for lesson, number in places]
-        lab.write("panels.ipynb", IMPORT, *cells, MY_NAO)
+        lab.write("panels.ipynb", IMPORT, *cells, MY_NAO, MY_SOLVED_NAO)
         lab.open(page, "panels.ipynb")
         page.evaluate("window.jupyterapp.commands.execute('application:toggle-left-area').then(() => null)")
         lab.run_all(page)
@@ -92,7 +106,7 @@ class PanelPage:
         )
         cell = self.page.locator(f'.jp-Cell[data-windowed-list-index="{index + 1}"]')
         root = cell.locator(".jp-OutputArea-output .jupyter-widgets").first
-        root.locator("img, canvas").first.wait_for(timeout=240_000)
+        root.locator("img, canvas, input").first.wait_for(timeout=240_000)
         self.page.wait_for_function(
             "root => [...root.querySelectorAll('img')].every(each => each.complete && each.naturalWidth)",
             arg=root.element_handle(),

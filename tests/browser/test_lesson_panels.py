@@ -62,3 +62,13 @@ def test_every_panel_is_on_one_screen_with_large_pictures_and_nothing_sticks_out
             if seen["outside"] or seen["scrolled"]:
                 wrong.append(f"{where}outside {seen['outside']}, scrolled {seen['scrolled']}")
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("width", [1280, 900])
+def test_the_robots_stages_and_the_small_pictures_caption_are_not_cut_off(panels, width):
+    root = panels.show(panels.labels.index("my_nao(), nothing solved"), width)
+    for words in (
+        ".nao-ready p:first-child",
+        ".nao-camera:not(.nao-chosen) .nao-caption .widget-html-content",
+    ):
+        assert root.locator(words).evaluate("each => each.scrollWidth <= each.clientWidth"), words

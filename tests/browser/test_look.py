@@ -108,13 +108,21 @@ def test_in_a_narrow_column_the_letters_of_a_figure_stay_readable_and_it_scrolls
     assert scrolled <= place + 1
 
 
-def test_a_folded_cell_shows_that_it_runs(lab, page):
-    lab.write("folded.ipynb", "import time\ntime.sleep(4)\nprint('done')", "print('next')", "1 + 1")
-    made = nbformat.read(lab.folder / "folded.ipynb", as_version=4)
+def open_folded(lab, page, name, *cells, text=""):
+    """Write and open a notebook of folded cells, below a text if there is one."""
+    lab.write(name, *cells)
+    made = nbformat.read(lab.folder / name, as_version=4)
     for cell in made.cells:
         cell.metadata["jupyter"] = {"source_hidden": True}
-    nbformat.write(made, lab.folder / "folded.ipynb")
-    lab.open(page, "folded.ipynb")
+    made.cells[:0] = [nbformat.v4.new_markdown_cell(text)] if text else []
+    nbformat.write(made, lab.folder / name)
+    lab.open(page, name)
+
+
+def test_a_folded_cell_shows_that_it_runs(lab, page):
+    open_folded(
+        lab, page, "folded.ipynb", "import time\ntime.sleep(4)\nprint('done')", "print('next')", "1 + 1"
+    )
     nothing = ["none"] * 3
     assert page.evaluate(_MARKS) == nothing
     page.locator(".jp-Cell").first.click(position={"x": 4, "y": 4})
@@ -122,3 +130,36 @@ def test_a_folded_cell_shows_that_it_runs(lab, page):
     wait_for(lambda: page.evaluate(_MARKS) == ['"[*]:"', "none", "none"], "mark on the first cell")
     screenshot(page, "folded_cell_runs")
     wait_for(lambda: page.evaluate(_MARKS) == nothing, "end of the cell")
+
+
+def test_a_folded_cell_opens_by_a_click_and_by_enter(lab, page):
+    open_folded(lab, page, "opens.ipynb", "1 + 1", "2 + 2")
+    bars = page.locator(".jp-InputPlaceholder")
+    bars.first.click()
+    wait_for(lambda: bars.count() == 1, "first cell's code")
+    page.keyboard.press("Shift+Enter")
+    page.keyboard.press("Enter")
+    wait_for(lambda: bars.count() == 0, "second cell's code")
+
+
+PANEL = """import numpy as np
+from nao_course.widgets import FunctionPanel
+FunctionPanel("Grey", lambda values, student: np.zeros((240, 320), np.uint8), [])"""
+TALL = "from IPython.display import HTML\nHTML('<div style=\"height: 900px\">tall</div>')"
+
+
+@pytest.mark.parametrize(("code", "kind"), [(PANEL, ".nao-panel"), (TALL, "div[style]")])
+def test_an_output_begins_in_the_window_and_a_panel_is_all_in_it(lab, page, code, kind):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    open_folded(lab, page, f"{len(code)}.ipynb", "0", code, "1", "2", text=TEXT * 3)
+    page.locator(".jp-InputPlaceholder").nth(1).click()
+    page.keyboard.press("Shift+Enter")
+    shown = page.locator(f".jp-OutputArea-output {kind}").first
+    shown.wait_for(timeout=240_000)
+    page.wait_for_timeout(1000)
+    top, bottom = shown.evaluate(
+        "each => { const at = each.getBoundingClientRect(); return [at.top, at.bottom]; }"
+    )
+    screen = page.locator(".jp-WindowedPanel-outer").bounding_box()
+    screenshot(page, "output_in_window")
+    assert top >= screen["y"] - 1 and (kind == "div[style]" or bottom <= screen["y"] + screen["height"] + 1)

@@ -4,6 +4,7 @@ import re
 
 import ipywidgets
 import pytest
+from matplotlib.text import Text
 
 from nao_course.lessons.beyond import ExplorePanel, MovesPanel, TwoCamerasPanel
 from nao_course.lessons.distance import PhoneLab, RayPanel, TiltPanel
@@ -12,7 +13,7 @@ from nao_course.lessons.ekf_derivations.panel import LANDMARK, MEASUREMENT, Line
 from nao_course.lessons.localization.panels import FusePanel, LabPanel
 from nao_course.lessons.meet_the_nao import HeadPanel
 from nao_course.lessons.pose_graphs import EdgePanel, RelaxPanel
-from nao_course.lessons.slam_on_the_field import RoomPanel
+from nao_course.lessons.slam_on_the_field import ReplayPanel, RoomPanel
 from nao_course.widgets import RealityDial
 from nao_course.widgets.parts import LabelledImage
 from tests.lessons.every import blank, reference
@@ -51,6 +52,7 @@ PANELS = {
     "edges": of(EdgePanel, "09_pose_graphs", "linearize"),
     "relaxing": of(RelaxPanel, "09_pose_graphs", "linearize", "gauss_newton"),
     "settings": setting_panel,
+    "replay": of(ReplayPanel, "11_slam_on_the_field", "associate", "joint_distance"),
     "room": of(RoomPanel, "11_slam_on_the_field", "EkfSlam"),
     "exploring": of(ExplorePanel, "12_beyond", "find_frontiers", "travel_steps"),
     "moves": of(MovesPanel, "12_beyond", "choose_move", **SEVEN),
@@ -101,6 +103,17 @@ def test_controls_and_pictures_are_named_and_a_picture_and_words_stay_where_no_w
     assert all(each.description and each.tooltip for each in widgets if isinstance(each, CONTROLS))
     assert all(each.alt for each in widgets if isinstance(each, LabelledImage))
     assert PANELS[name]().summary() == panel.summary()
+
+
+@pytest.mark.parametrize("name", ["phone", "edges", "relaxing", "replay"])  # two pictures with letters
+def test_the_letters_of_figures_are_9_px_high_on_a_page_of_900_px(name):
+    shown = PANELS[name]().shown
+    room = 720 - 8 * (len(shown.pictures) - 1)  # px, of the panel's width
+    height = min(400, room / sum(each.shape[1] / each.shape[0] for each in shown.pictures.values()))
+    for title, drawing in shown.drawings.items():
+        letters = [each for each in drawing.figure.findobj(Text) if each.get_visible() and each.get_text()]
+        pixels = min(each.get_fontsize() for each in letters) / 72 * drawing.figure.dpi
+        assert pixels * height / shown.pictures[title].shape[0] >= 9, title
 
 
 @pytest.mark.parametrize(

@@ -227,7 +227,7 @@ def draw_problem(each: AssociationProblem, indices: Any) -> Drawing:
     estimated = Pose.from_array(each.state[:3])
     ends = measured_points(each.observation, estimated)
     marks: FloatArray = np.reshape(each.state[3:], (-1, 2))
-    figure = Figure(figsize=(6.2, 6.0))
+    figure = Figure(figsize=(5.2, 5.7))
     ax = figure.add_subplot()
     plot_field(FIELD, ax)
     for place, kind in zip(marks, KINDS, strict=True):
@@ -259,7 +259,7 @@ def draw_problem(each: AssociationProblem, indices: Any) -> Drawing:
         Line2D([], [], color=colour, lw=3, label=name)
         for name, colour in (("right match", GOOD), ("wrong match", BAD))
     ]
-    legend_below(figure, keys, columns=3)
+    legend_below(figure, keys, columns=2)
     off = np.hypot(estimated.x - each.pose.x, estimated.y - each.pose.y)
     said = f"{len(each.origins)} measurements from an estimated pose that is off by {off:.2f} m"
     if indices is not None:

@@ -59,6 +59,7 @@ _CSS = """
   line-height: 18px; font-size: 12px; }
 .nao-cockpit .nao-ready p { margin: 0; min-width: 90px; white-space: nowrap; overflow: hidden;
   text-overflow: ellipsis; }
+.nao-cockpit .nao-ready p:first-child:not(:only-child) { flex: none; max-width: 72%; }
 .nao-cockpit .nao-numbers .widget-html-content { display: grid; grid-template-columns: 3fr 3fr 4fr; gap: 6px; }
 .nao-cockpit .nao-tile { min-width: 0; padding: 1px 8px 2px; border-left: 4px solid #0b5fa5; border-radius: 4px;
   background: var(--jp-layout-color2, #eee); font-size: 12px; line-height: 20px; }
@@ -81,6 +82,7 @@ _CSS = """
 .nao-cockpit .nao-chosen { cursor: default; }
 .nao-cockpit .nao-chosen .nao-caption { position: absolute; z-index: 1; left: 6px; top: 6px; max-width: 62%;
   border-radius: 9px; }
+.nao-cockpit .nao-camera:not(.nao-chosen) .nao-caption span { display: none; }
 .nao-cockpit .nao-camera:not(.nao-chosen) { position: absolute; z-index: 1; right: 6px; top: 6px; width: 30%;
   border: 2px solid #fff; border-radius: 5px; box-sizing: border-box; box-shadow: 0 1px 6px #0008; }
 .nao-cockpit .nao-over { position: absolute; z-index: 2; left: 0; right: 0; bottom: 0; max-height: 48%; margin: 0;

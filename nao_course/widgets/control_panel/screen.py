@@ -157,7 +157,8 @@ class Screen:
         image.show(jpeg(pixels), alt, waits=camera == self._camera)
         width, height = size = self._cockpit.pictures[camera].view.size
         live = "live" if size == LIVE_SIZE else f"{width} × {height}"
-        _show(caption, f"<b>{html.escape((whose or f'{camera} camera').capitalize())}</b>, {live}")
+        name = html.escape((whose or f"{camera} camera").capitalize())
+        _show(caption, f"<b>{name}</b><span>, {live}</span>")
 
     def is_behind(self) -> bool:
         """Return whether a page is more than one picture of the chosen camera behind."""

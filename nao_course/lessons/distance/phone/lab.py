@@ -243,7 +243,7 @@ def _polar(points: FloatArray) -> list[tuple[float, float]]:
 @course_style()
 def _draw_paper(clicked: Collection[str], pose: Pose | None = None, points: npt.ArrayLike = ()) -> Drawing:
     """Draw the paper as it lies, the letters that are clicked, and the points (N, 2) of a phone in the field frame."""
-    figure = Figure(figsize=(5.6, 5.2))
+    figure = Figure(figsize=(4.6, 4.4))
     ax = figure.add_subplot()
     half, low = 50 * PAPER[0], -100 * BELOW
     lowest = low

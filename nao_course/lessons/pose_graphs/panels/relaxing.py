@@ -182,7 +182,7 @@ def _limits(world: World, name: str) -> tuple[FloatArray, FloatArray]:
 def draw_map(world: World, states: FloatArray, values: Any) -> Drawing:
     """Draw a graph at some states, with the same limits for every step."""
     false = int("false" in values.world)
-    figure = Figure(figsize=(6.2, 5.2))
+    figure = Figure(figsize=(5.9, 4.95))
     ax = figure.add_subplot()
     source = "graph" if values.step else "odometry"
     real = values.world == REAL
