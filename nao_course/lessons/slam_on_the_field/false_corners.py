@@ -40,17 +40,23 @@ def draw_false_corners() -> Drawing:
             f"{style.label} {lost[0]:.1f} % to {lost[-1]:.1f} %, and {outside[0]:.0f} % to {outside[-1]:.0f} %"
         )
     axes[1].axhline(CONSISTENT, color=GREY, lw=1)
+    last = recorded["false corners"][-1]
     axes[1].annotate(
-        "consistent", (0, CONSISTENT), (0, 3), textcoords="offset points", color=GREY, fontsize=9
+        "consistent",
+        (last, CONSISTENT),
+        (0, 3),
+        textcoords="offset points",
+        ha="right",
+        color=GREY,
+        fontsize=9,
     )
     for ax, label in zip(
         axes, ("lost: more than 15 cm off (%)", "outside of their 95 % ellipse (%)"), strict=True
     ):
-        ax.set(xlabel="false corners in a picture (mean)", ylabel=f"drives that end {label}", ylim=(0, None))
+        ax.set(xlabel="false corners in a picture (mean)", ylabel=f"drives {label}", ylim=(0, None))
     axes[0].legend()
-    first, last = recorded["false corners"][0], recorded["false corners"][-1]
     return Drawing(
         figure,
         f"Of {recorded['drives']} drives, shares that are lost, and that end outside of their 95 % ellipse, with "
-        f"{first:g} to {last:g} false corners in a picture: {'; '.join(said)}.",
+        f"0 to {last:g} false corners in a picture: {'; '.join(said)}.",
     )
