@@ -1,4 +1,4 @@
-"""How long ``make lab`` takes in a new clone, until JupyterLab could start, in this build and in one before it.
+"""Time of ``make lab`` in a new clone, until JupyterLab could start, in this build and in one before it.
 
 ``python -m benchmarks setting_up`` downloads the locked packages twice, into empty caches. Seconds are of the clock,
 because a processor waits for the network and the disk here.
