@@ -353,7 +353,7 @@ def _by_svd(covariance: Array, probability: float) -> Any:
 
 
 def _by_eig(covariance: Array, probability: float) -> Any:
-    values, vectors = np.linalg.eig(covariance)
+    values, vectors = map(np.real, np.linalg.eig(covariance))  # complex since NumPy 2.5
     (x, y), axes = vectors[:, values.argmax()], np.sqrt(values * 2 * np.log(1 / (1 - probability)))
     return (max(axes), min(axes)), np.arctan(y / x) if x else np.pi / 2
 
@@ -428,11 +428,11 @@ COVARIANCE_ELLIPSE = Exercise(
         both axes and x and y exchanged: variances[::-1] => variances
             np.arctan2(y, x) => np.arctan2(x, y)
             Your smaller semi-axis comes first, and your angle is measured from the y axis. Reverse the eigenvalues of eigh, and call np.arctan2 with y first.
-        not sorted: np.linalg.eigh(covariance) => np.linalg.eig(covariance)
+        not sorted: np.linalg.eigh(covariance) => map(np.real, np.linalg.eig(covariance))
             variances[::-1] => variances
             directions[:, 1] => directions[:, 0]
             You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis.
-        not sorted, reversed: np.linalg.eigh(covariance) => np.linalg.eig(covariance)
+        not sorted, reversed: np.linalg.eigh(covariance) => map(np.real, np.linalg.eig(covariance))
             You rely on the order of np.linalg.eig, which does not sort. Use np.linalg.eigh, which sorts in ascending order, and take its last eigenvalue and eigenvector for the long axis. Reversing what is not sorted does not sort it.
         the eigenvector for the angle: np.arctan2(y, x) => directions[:, 1]
             You return the eigenvector. The angle is np.arctan2 of its y and x.

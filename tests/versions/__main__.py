@@ -27,7 +27,7 @@ def main() -> int:
     environment = Environment(folder, options.python)
     for words in (
         ("--upgrade", "--resolution", options.resolution, *core),
-        (*groups["test"], *groups["build"]),
+        (*groups["test"], *groups["build"], *groups["dev"]),
         ("--no-deps", "--no-build-isolation", "-e", PROJECT),
     ):
         if (done := environment.install(*words)).returncode:

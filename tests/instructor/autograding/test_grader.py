@@ -269,7 +269,7 @@ def test_another_lessons_notebook_is_refused_unless_it_defines_an_exercise(marke
 
 # Each is right in its version of Python; the grader of these tests is older than 3.90.
 NEWER = {
-    "3.12": 'def double(x):\n    return f"{x["a"]}"',
+    "3.12": 'def double(x):\n    return float(f"{ {"twice": 2}["twice"] }") * x',
     "3.14": "def double(x):\n    try:\n        return 2 * x\n    except ValueError, TypeError:\n        return x",
     "a name": "import math\ndef double(x):\n    return x * math.of_a_newer_python(2)",
     "an import": "from itertools import of_a_newer_python\ndef double(x):\n    return of_a_newer_python(x)",
