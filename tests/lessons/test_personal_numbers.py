@@ -15,7 +15,7 @@ from nao_course.lessons.distance.personal import personal_landmarks
 from nao_course.lessons.hsl_filtering.payoff import GREEN, YELLOW
 from nao_course.lessons.hsl_filtering.personal import personal_example
 from nao_course.metrics import band
-from tests.lessons.every import COURSE, own, quotes, text
+from tests.lessons.every import COURSE, own, quoted_with_the_locked_opencv, quotes, text
 from tests.paths import PROJECT
 
 QUESTIONS = {"01": hsl_filtering, "04": distance, "06": localization, "12": beyond}
@@ -49,6 +49,7 @@ def conclusion_holds(number, found):
     return second > 1.1 * first and third[0] > 20  # exploring shows more and costs certainty
 
 
+@quoted_with_the_locked_opencv
 @each_lesson
 def test_the_lessons_answer_quotes_the_numbers_of_the_example_world(number):
     assert conclusion_holds(number, numbers(number, ""))

@@ -20,7 +20,7 @@ from nao_course.lessons.hough_corners.scenes import (
     tuning_pictures,
 )
 from nao_course.metrics import PointMatch, corner_cost, mean_interval, total
-from tests.lessons.every import label, own, quotes, text
+from tests.lessons.every import label, own, quoted_with_the_locked_opencv, quotes, text
 from tests.paths import PROJECT
 
 OWN, TEXT = own("03"), text("03")
@@ -190,6 +190,7 @@ def test_the_cost_depends_little_on_the_width_as_the_text_says():
     quotes(TEXT, "12 to 24 pixels", f"{min(costs):.2f} and {max(costs):.2f}")
 
 
+@quoted_with_the_locked_opencv
 def test_far_lines_are_merged_and_the_running_picture_gets_fewer_segments_as_the_text_says():
     far = list(three_places().values())[2]
     white = OWN["line_picture"](OWN["erase_background"](label(far.pixels)))
