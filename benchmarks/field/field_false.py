@@ -17,7 +17,7 @@ from benchmarks import Result, Table, in_processes, write_json
 from benchmarks.field.detections import detections, prepare
 from benchmarks.field.field_tails import ALGORITHMS
 from benchmarks.field.known_map import HIGH, LOW, GatedEkf, MonteCarlo
-from benchmarks.field.variants import BEST, Make, Options, Read, Score, named, named_table, run, summary
+from benchmarks.field.variants import BEST, ENDS, Make, Options, Read, Score, named, named_table, run, summary
 from nao_course.geometry import FloatArray
 from nao_course.lessons.slam_on_the_field.false_corners import RECORDED as FOR_THE_LESSON
 from nao_course.metrics import band
@@ -34,16 +34,6 @@ BEYOND = (1.0, 3.0)  # m: distance of neighbours' lines from the field's
 FARTHEST = 6.0  # m
 BOX = ((10.0, 90.0), (310.0, 230.0))  # px: where a false corner is found
 PIXEL = 0.5  # px: standard deviation of a false corner that is seen again
-COLUMNS = (
-    "drives",
-    "position",
-    "position 95 %",
-    "position worst",
-    "lost",
-    "NEES mean",
-    "NEES median",
-    "outside",
-)
 
 
 def sources(rng: np.random.Generator, stops: int) -> list[list[FloatArray]]:
@@ -114,7 +104,7 @@ def main() -> Result:
     write_json(FOR_THE_LESSON, for_the_lesson(found))
     low, high = band(3, len(FRESH))
     tables = (
-        Table.of(f"false corners a picture, end of {len(FRESH)} drives", found, *COLUMNS, shown=".3g"),
+        Table.of(f"false corners a picture, end of {len(FRESH)} drives", found, *ENDS, shown=".3g"),
         named_table(ended),
     )
     note = f"95 % band of the mean NEES of {len(FRESH)} drives: {low:.2f} to {high:.2f}"

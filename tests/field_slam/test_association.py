@@ -1,11 +1,14 @@
 """Joint association of a picture's measurements with the landmarks of a map."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from nao_course.field_slam.association import associate_jointly, joint_gate
+from nao_course.field_slam.association import associate_jointly, joint_gate, landmark_jacobian
 from nao_course.field_slam.observation import CAMERA_HEIGHT, as_observation
+from nao_course.geometry import wrap_angle
 from nao_course.slam import Measurement, range_and_bearing
 
 
@@ -41,6 +44,40 @@ def with_uncertain_heading(bearings, measured, measurement_sigma) -> list[int]:
     R = np.diag([measurement_sigma**2, 1e-2] * len(measured))
     seen = [Measurement(float(bearing), 2.0) for bearing in measured]
     return associate_jointly(state, covariance, ["corner"] * len(marks), seen, R, 4.0).tolist()
+
+
+def exhaustive(state, covariance, seen, R, gate):
+    """Return the association that a search through all of them finds, by the joint covariance of all pairs."""
+    marks, best = state[3:].reshape(-1, 2), (0, 0.0, [-1] * len(seen))
+    for tried in product(range(-1, len(marks)), repeat=len(seen)):
+        chosen = [j for j in tried if j >= 0]
+        if not chosen or len({*chosen}) < len(chosen):
+            continue
+        used, numbers = np.flatnonzero(np.array(tried) >= 0), np.array(chosen)
+        rows = (2 * used[:, None] + (0, 1)).ravel()
+        polar, offset = range_and_bearing(state[:3], marks[numbers]), marks[numbers] - state[:2]
+        nu = np.array([(seen[i].bearing, seen[i].range) for i in used]) - polar
+        nu[:, 0] = wrap_angle(nu[:, 0])
+        H = landmark_jacobian(offset, polar[:, 1], numbers, len(state))
+        S = H @ covariance @ H.T + R[np.ix_(rows, rows)]
+        alone = [nu[k] @ np.linalg.solve(S[2 * k :, 2 * k :][:2, :2], nu[k]) for k in range(len(used))]
+        distance = nu.ravel() @ np.linalg.solve(S, nu.ravel())
+        fits = max(alone) <= gate**2 and distance <= joint_gate(gate, len(used))
+        best = max(best, (len(used), -distance, list(tried))) if fits else best
+    return best[2]
+
+
+def test_the_association_is_that_of_an_exhaustive_search(rng):
+    matched = []  # landmarks behind the robot have bearings of both signs; tilt and pose correlate the pairs
+    for _ in range(60):
+        marks = rng.uniform((-2.0, -0.6), (-1.0, 0.6), (4, 2))
+        state, root = np.concatenate([rng.normal(0, 0.05, 3), marks.ravel()]), rng.normal(0, 0.05, (11, 11))
+        polar = range_and_bearing(state[:3], marks[:3]) + rng.normal(0, (0.15, 0.2), (3, 2))
+        seen = as_observation([Measurement(float(wrap_angle(b)), float(r)) for b, r in polar])
+        found = associate_jointly(state, root @ root.T, ["corner"] * 4, seen, seen.covariance, 1.5)
+        assert found.tolist() == exhaustive(state, root @ root.T, seen, seen.covariance, 1.5)
+        matched.append(int((found >= 0).sum()))
+    assert {1, 2, 3} <= {*matched}
 
 
 @pytest.mark.parametrize("pairs", [1, 2, 5])
