@@ -90,23 +90,23 @@ clean:  ## remove .venv and every cache; your notebooks stay
 # The big lock holds all of the small one, in the same versions.
 .venv/dev.stamp: .venv/made.stamp requirements-dev.lock pyproject.toml
 	@echo "Setting up .venv for tests and instructors; the first time this downloads some 340 MB."
-	$(call install,requirements-dev.lock)
+	$(call install,requirements-dev.lock,--compile-bytecode)
 	@touch .venv/lab.stamp $@
 
 # The peers that the course is measured beside, on top of the big lock.
 .venv/bench.stamp: .venv/dev.stamp requirements-bench.lock
-	$(call install,requirements-bench.lock)
+	$(call install,requirements-bench.lock,--compile-bytecode)
 	@touch $@
 
 # JupyterHub, for its tests and its load test; the proxy comes from npm.
 .venv/hub.stamp: .venv/dev.stamp deploy/hub/requirements.lock deploy/hub/package-lock.json
-	$(call install,deploy/hub/requirements.lock)
+	$(call install,deploy/hub/requirements.lock,--compile-bytecode)
 	cd deploy/hub && npm ci --ignore-scripts --no-fund --no-audit
 	@touch $@
 
 # What makes pages of the lessons, on top of the big lock.
 .venv/site.stamp: .venv/dev.stamp requirements-site.lock
-	$(call install,requirements-site.lock)
+	$(call install,requirements-site.lock,--compile-bytecode)
 	@touch $@
 
 # The bundler, and the libraries that go into the bundles.
@@ -114,10 +114,11 @@ web/node_modules/made.stamp: web/package-lock.json
 	cd web && npm ci --ignore-scripts --no-fund --no-audit
 	@touch $@
 
-# uv does in seconds what takes pip minutes; where uv cannot be had or fails, pip does it, as slowly as ever.
+# uv does in seconds what takes pip minutes; where uv cannot be had or fails, pip does it, as slowly as ever. A student's
+# packages are compiled when they are first imported: compiling all of them takes longer than all the rest.
 define install
 @$(PY) -m uv --version >/dev/null 2>&1 || { sed -n '/^uv==/,/[^\\]$$/p' requirements.lock >.venv/uv.txt; \
 	$(PIP) install --quiet --require-hashes -r .venv/uv.txt || true; }
-@$(UV) --compile-bytecode --require-hashes -r $(1) || $(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
-@$(PIP) --quiet install --no-deps --no-build-isolation -e .
+@$(UV) $(2) --require-hashes -r $(1) || $(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
+@$(UV) --quiet --no-deps --no-build-isolation -e . || $(PIP) --quiet install --no-deps --no-build-isolation -e .
 endef
