@@ -181,14 +181,17 @@ class _Watchdog:
                 self._watches.remove(watch)
 
     def _run(self) -> None:
-        while True:
-            with self._lock:
-                for watch in self._watches:
-                    if watch.due <= time.monotonic():
-                        watch.step()
-                self._wakes = min((watch.due for watch in self._watches), default=float("inf"))
-            left = max(self._wakes - time.monotonic(), 0.0)
-            self._asleep.acquire(timeout=min(left, threading.TIMEOUT_MAX))
+        try:
+            while True:
+                with self._lock:
+                    for watch in self._watches:
+                        if watch.due <= time.monotonic():
+                            watch.step()
+                    self._wakes = min((watch.due for watch in self._watches), default=float("inf"))
+                left = max(self._wakes - time.monotonic(), 0.0)
+                self._asleep.acquire(timeout=min(left, threading.TIMEOUT_MAX))
+        finally:  # an error of `sooner` ends the thread; the next time limit starts another
+            self._runs = False
 
 
 _WATCHDOG = _Watchdog()

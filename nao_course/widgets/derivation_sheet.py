@@ -262,7 +262,7 @@ class DerivationSheet:
         import sympy
 
         letters = {name: sympy.Symbol(name) for name in (*self.symbols, *self._zero)}
-        deltas = {letter: f"\\Delta {name[1:]}" for name, letter in letters.items() if name in self._short}
+        deltas = {letters[name]: f"\\Delta {name[1:]}" for name in self._short if name.startswith("d")}
         try:
             typed = parse(entry, letters)
         except (ValueError, TypeError, AttributeError, ZeroDivisionError):

@@ -50,6 +50,18 @@ def test_a_limit_that_was_kept_is_forgotten_and_one_works_in_any_thread_and_can_
     assert seen == ["endless", "endless"]
 
 
+def test_a_limit_rings_after_an_error_in_the_thread_of_all_limits(monkeypatch):
+    failed = threading.Event()
+    monkeypatch.setattr(sys, "unraisablehook", lambda _: failed.set())
+
+    def sooner(frame):
+        raise RuntimeError("an error of its own")
+
+    with time_limit(1e9, sooner=sooner):
+        assert failed.wait(30)
+    assert stopped()
+
+
 @pytest.fixture(autouse=True)
 def no_garbage():
     """Keep other tests' garbage out of the time-limited blocks: pytest's hook for it must not be interrupted."""

@@ -14,7 +14,7 @@ __all__, __getattr__, __dir__ = import_when_asked(
         "film": ("draw_film", "record_film"),
         "filters": ("CompressedFilter", "FirstEstimates"),
         "homework_log": ("OWN_SIGMAS", "own_log"),
-        "invariant": ("draw_invariant",),
+        "invariant": ("draw_invariant", "group_sheet"),
         "loop": ("LOOP_REMARKS", "draw_loop", "last_deviation"),
         "noise": ("joint_noise",),
         "panel": ("FilmPanel",),

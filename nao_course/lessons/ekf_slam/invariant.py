@@ -12,11 +12,43 @@ from nao_course.metrics import band
 from nao_course.plotting import Drawing, course_style
 from nao_course.plotting.legends import legend_below
 from nao_course.sim.drives import Function, Sigmas
+from nao_course.widgets.derivation_sheet import DerivationSheet, derivation
 
 INVARIANT = "invariant filter"
 HARSH = Sigmas(0.02, 0.01, float(np.radians(4.0)), float(np.radians(6.5)), 0.02)
 LEVELS: Mapping[str, Sigmas] = {"nominal": NOMINAL, "noisy": NOISY, "harsh": HARSH}
 Traces = Mapping[str, Sequence[FilterTrace]]
+
+
+def group_sheet() -> DerivationSheet:
+    """Return a sheet for the heading's columns of T and H T (equation 7.11), beside those of the robot's x.
+
+    V of equation 7.10 stands in it to first order, which has the same derivatives at an error of 0.
+
+    Returns
+    -------
+    DerivationSheet
+        Its rows are the true pose, a true landmark, and the bearing and range between them.
+    """
+    from sympy import Matrix, atan2, cos, eye, sin, sqrt, symbols  # SymPy takes long to import
+
+    x, y, theta, l_x, l_y = symbols("x y theta l_x l_y")
+    errors = xi_x, xi_y, xi_theta, xi_lx, xi_ly = symbols("xi_x xi_y xi_theta xi_lx xi_ly")
+    turn = Matrix([[cos(xi_theta), -sin(xi_theta)], [sin(xi_theta), cos(xi_theta)]])
+    V = eye(2) + Matrix([[0, -xi_theta], [xi_theta, 0]]) / 2
+    robot = turn * Matrix([x, y]) + V * Matrix([xi_x, xi_y])
+    landmark = turn * Matrix([l_x, l_y]) + V * Matrix([xi_lx, xi_ly])
+    dx, dy = landmark - robot
+    heading = theta + xi_theta
+    return derivation(
+        "What an error on the group changes",
+        Matrix([*robot, heading, *landmark, atan2(dy, dx) - heading, sqrt(dx**2 + dy**2)]),
+        by=[xi_theta, xi_x],
+        zero=errors,
+        rows=("true x", "true y", "true theta", "true l_x", "true l_y", "bearing", "range"),
+        known=[["", 1], ["", 0], ["", 0], ["", 0], ["", 0], ["", "dy/r^2"], ["", "-dx/r"]],
+        short={"dx": l_x - x, "dy": l_y - y, "r": sqrt((l_x - x) ** 2 + (l_y - y) ** 2)},
+    )
 
 
 def compare_invariant(

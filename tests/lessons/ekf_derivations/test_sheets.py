@@ -11,6 +11,8 @@ from nao_course.exercises.checking import grade_public, read_public
 from nao_course.geometry import wrap_angle
 from nao_course.instructor.authoring import lesson_text
 from nao_course.lessons.ekf_derivations.sheets import motion_sheet, position_sheet
+from nao_course.lessons.ekf_slam import group_sheet
+from nao_course.lessons.pose_graphs import landmark_sheet
 from tests.lessons.every import solved
 from tests.lessons.test_one_course import names_given
 
@@ -51,6 +53,15 @@ def test_right_entries_are_right_and_an_error_that_is_zero_and_a_wrong_sign_are_
     entries[row][2] = entry
     shown = repr(motion_sheet().write(entries))
     assert said in shown and "no symbol" not in shown
+
+
+@pytest.mark.parametrize("sheet", [motion_sheet, position_sheet, landmark_sheet, group_sheet])
+def test_each_symbol_of_each_sheet_is_shown_as_itself(sheet):
+    one = sheet()
+    names = [*one.symbols, *one._zero]
+    differences = {"dx": r"$\Delta x$", "dy": r"$\Delta y$"} if {"dx", "dy"} <= {*names} else {}
+    shown = {name: f"${sympy.latex(sympy.Symbol(name))}$" for name in names} | differences
+    assert {name: one.formula(name) for name in names} == shown
 
 
 def test_no_cell_that_the_grader_skips_defines_a_name_that_an_exercise_could_use():

@@ -6,7 +6,7 @@ from scipy.linalg import expm
 
 from nao_course.exercises.checking import grade_public
 from nao_course.geometry import rotation_2d, wrap_angle
-from nao_course.lessons.ekf_slam.invariant import LEVELS, draw_invariant
+from nao_course.lessons.ekf_slam.invariant import LEVELS, draw_invariant, group_sheet
 from nao_course.lessons.ekf_slam.rotation import keeps_rotation, rotation_information
 from nao_course.slam import range_and_bearing
 from tests.lessons import every
@@ -158,17 +158,42 @@ def on_group(state):
     return T
 
 
+def disturbed(state, xi):
+    """The truth that differs from a state by an error on the group."""
+    V = np.sinc(xi[2] / (2 * np.pi)) * rotation_2d(xi[2] / 2)
+    points = np.delete(state, 2).reshape(-1, 2) @ rotation_2d(xi[2]).T
+    return np.insert((points + np.delete(xi, 2).reshape(-1, 2) @ V.T).ravel(), 2, state[2] + xi[2])
+
+
 @pytest.mark.asserts("eq-7-10")
 def test_to_first_order_the_error_on_the_group_is_rotated_into_the_states(rng):
     state, _ = random_map(rng, 3)
-    points = np.delete(state, 2).reshape(-1, 2)
+    T = jacobian_of(lambda xi: disturbed(state, xi), np.zeros(len(state)))
+    assert np.allclose(T, on_group(state), atol=1e-8)
 
-    def applied(xi):
-        V = np.sinc(xi[2] / (2 * np.pi)) * rotation_2d(xi[2] / 2)
-        moved = points @ rotation_2d(xi[2]).T + np.delete(xi, 2).reshape(-1, 2) @ V.T
-        return np.insert(moved.ravel(), 2, state[2] + xi[2])
 
-    assert np.allclose(jacobian_of(applied, np.zeros(len(state))), on_group(state), atol=1e-8)
+def test_the_sheet_takes_the_derivatives_by_the_error_on_the_group_and_no_others(rng):
+    state, _ = random_map(rng, 1)
+    right = [
+        *(["-y", "1"], ["x", "0"], ["1", "0"], ["-l_y", "0"], ["l_x", "0"]),
+        *(["0", "dy / r**2"], ["0", "-dx / r"]),
+    ]
+    assert "All 14 entries are correct" in repr(group_sheet().write(right))
+    at = dict(zip(("x", "y", "theta", "l_x", "l_y"), state, strict=True))
+    at |= {"dx": at["l_x"] - at["x"], "dy": at["l_y"] - at["y"]}
+    at["r"] = np.hypot(at["dx"], at["dy"])
+    values = [[eval(entry, {}, at) for entry in row] for row in right]
+
+    def seen(xi):
+        truth = disturbed(state, xi)
+        return np.concatenate([truth, look(truth, [0])])
+
+    assert np.allclose(values, jacobian_of(seen, np.zeros(5))[:, [2, 0]], atol=1e-7)
+    wrong = [["y", "1"], *right[1:5], ["-1", ""], right[6]]
+    said = repr(group_sheet().write(wrong))
+    assert (
+        "true x by xi_theta: its sign is wrong" in said and "bearing by xi_theta: the model does not" in said
+    )
 
 
 @pytest.mark.asserts("eq-7-11")
