@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import block_diag
 
 from nao_course.field_slam.lines import to_ground
 from nao_course.field_slam.observation import TILT_SIGMAS, tilt_covariance, tilted
@@ -99,7 +98,7 @@ def estimate_body_tilt(
     normals, sd = normals[best], sd[best]
     outlier = np.array(OUTLIER_PROBABILITIES)[np.searchsorted(LENGTHS, length[best])]
     starts = _starts(normals, sd, outlier, prior)
-    unknown = BodyTilt(0.0, 0.0, 0.0, block_diag(prior, QUARTER**2 / 12))
+    unknown = BodyTilt(0.0, 0.0, 0.0, np.pad(prior, (0, 1)) + np.diag([0, 0, QUARTER**2 / 12]))
     if not len(starts):
         return unknown
     states, covariances, costs = _refine(normals, sd, outlier, prior, starts)
@@ -211,7 +210,7 @@ def _refine(
     normals: FloatArray, sd: FloatArray, outlier: FloatArray, prior: FloatArray, states: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Optimise states (K, 3) by robust Gauss-Newton; return states, covariances (K, 3, 3) and costs (K,)."""
-    prior_information = block_diag(np.linalg.inv(prior), 1e-6)
+    prior_information = np.pad(np.linalg.inv(prior), (0, 1)) + np.diag([0, 0, 1e-6])
     for _ in range(STEPS):
         residual, J = _residuals(normals, states)
         inlier, other = _likelihoods(residual, sd, outlier)
