@@ -1300,6 +1300,7 @@ EKF_SLAM = Exercise(
     equivalents={
         "K = self.covariance[2, :] / (self.covariance[2, 2] + sigma ** 2)": "a covariance is symmetric: its row is its column",
         "self.covariance = self.covariance - np.outer(self.covariance[2], K)": "K is that row divided by a number",
+        "used = self.indices >= 0": "part accepts a mask as well",
         "numbers = self.indices[used]": "an array of the same numbers",
         **dict.fromkeys(
             ("pass", "self.state[2] = self.state[2]"), "predict and each innovation wrap the heading"
@@ -1712,6 +1713,7 @@ GRAPH_SLAM = Exercise(
         },
         **{f"for _ in range({steps}):": "the drives settle within fewer steps" for steps in (4, 6)},
         "pass": "the drives settle from predictions as well",
+        "used = self.front.indices >= 0": "part accepts a mask as well",
         "numbers = self.front.indices[used]": "an array of whole numbers counts as well",
         "information = np.ones((3, 3))": "of a landmark's edge only the first two rows and columns count",
         "self.edges.append((here, LANDMARK, number, [*z, 1.0], information))": "a landmark has no angle",
