@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Iterable
+from types import BuiltinFunctionType, FunctionType, MethodType
 from typing import Any
 
 import numpy as np
@@ -202,7 +203,9 @@ def _plain_key(key: Any) -> Any:
 
 
 def _why(kind: type) -> str:
-    """Return a hint for SymPy expressions, which students create if they call cos instead of np.cos."""
+    """Return a hint for functions that were not called, and for SymPy, if cos is called instead of np.cos."""
+    if kind in (FunctionType, BuiltinFunctionType, MethodType, np.ufunc):
+        return "; call this function with its arguments, and return its result"
     if str(kind.__module__).partition(".")[0] != "sympy":
         return ""
     return (

@@ -362,8 +362,9 @@ class Checks:
             used, fail = _listed([*unwritten, *wrong], "does not pass", "do not pass")
             return Remarked(f"This is drawn with your {used}, which {fail} the public checks.", shown)
         if unwritten:
-            needed, still = _listed(unwritten, "is", "are")
-            return Message(f"This figure needs your {needed}, which {still} not written yet.")
+            needed, still = _listed([each for each, state in states.items() if state != "right"], "is", "are")
+            how = "finished" if wrong else "written"
+            return Message(f"This figure needs your {needed}, which {still} not {how} yet.")
         needed, fail = _listed(wrong, "does not pass", "do not pass")
         why = f"Correct your code and run this cell again. The error was: {shown.text}"
         return Message(f"This figure needs your {needed}, which {fail} the public checks. {why}")

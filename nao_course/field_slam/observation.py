@@ -89,8 +89,9 @@ class Observation(Sequence[Measurement]):
         return values_of(self.measurements)
 
     def part(self, chosen: npt.ArrayLike) -> Observation:
-        """Return the observation with only the measurements of some indices, and the rows of their covariance."""
-        numbers = np.array(chosen, dtype=int).ravel()
+        """Return the observation with only some measurements, by indices or a mask, and their covariance."""
+        numbers = np.array(chosen, ndmin=1)
+        numbers = np.flatnonzero(numbers) if numbers.dtype == bool else numbers.astype(int)
         rows = (2 * numbers[:, None] + (0, 1)).ravel()
         kept = tuple(self.measurements[i] for i in numbers)
         return replace(self, measurements=kept, covariance=self.covariance[np.ix_(rows, rows)])

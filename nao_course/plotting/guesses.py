@@ -69,9 +69,9 @@ def with_guess(
         return drawing
     ax = drawing.figure.axes[panel]
     _GUESSES[axis](ax, place(value))
-    return replace(
-        drawing, alt=f'{drawing.alt} A dashed line labelled "you" marks your prediction, {value:g}.'
-    )
+    line = "circle" if axis == "radius" else "line"
+    said = f'A dashed {line} labelled "you" marks your prediction, {value:g}.'
+    return replace(drawing, alt=f"{drawing.alt} {said}")
 
 
 def _on_x(ax: Axes, at: float) -> None:

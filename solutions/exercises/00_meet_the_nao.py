@@ -59,6 +59,8 @@ TO_RADIANS = Exercise(
             You round down to whole half turns, because // drops the remainder. Divide with /.
         whole radians: angle_deg * np.pi / 180.0 => int(angle_deg * np.pi / 180.0)
             You round the result to a whole number. A quarter of a turn is 1.5708 radians, so leave out int.
+        whole radians by a division: / 180.0 => // 180.0
+            You round down to whole radians, because // drops the remainder. Divide with /.
         the factor only: angle_deg * np.pi / 180.0 => np.pi / 180.0
             Your result is the same for each angle: one degree in radians. Multiply it by angle_deg.
         pi in the denominator: angle_deg * np.pi / 180.0 => angle_deg / (180.0 * np.pi)

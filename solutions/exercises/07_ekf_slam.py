@@ -1565,10 +1565,16 @@ def _invariant_by_point(state: Array, P: Array, indices: Any, z: Array, R: Array
 
 
 def _turned_case(
-    rng: np.random.Generator, k: int, indices: list[int], name: str = "", turn: float = 0.5
+    rng: np.random.Generator,
+    k: int,
+    indices: list[int],
+    name: str = "",
+    turn: float = 0.5,
+    heading: float | None = None,
 ) -> Case:
-    """Return a case whose update turns the heading by about `turn`."""
+    """Return a case whose update turns the heading by about `turn`, from a random heading if none is given."""
     pose = random_pose(rng)
+    pose[2] = pose[2] if heading is None else heading
     state = np.concatenate([pose, around(rng, pose, k).ravel()])
     true = state + np.linalg.cholesky(P := random_covariance(rng, len(state))) @ rng.normal(
         0, 0.5, len(state)
@@ -1594,7 +1600,8 @@ def _turned_public() -> list[Case]:
 
 def _turned_hidden(rng: np.random.Generator) -> list[Case]:
     drawn = ((1, [0], 0.5), (2, [1], -0.7), (3, [2, 0], 0.4), (5, [4, 1, 0], -0.5), (4, [0, 1, 2, 3], 0.8))
-    return [_turned_case(rng, k, indices, turn=turn) for k, indices, turn in drawn]
+    cases = [_turned_case(rng, k, indices, turn=turn) for k, indices, turn in drawn]
+    return [*cases, _turned_case(rng, 2, [0, 1], turn=0.7, heading=2.9)]
 
 
 INVARIANT_UPDATE = Exercise(
@@ -1629,6 +1636,20 @@ INVARIANT_UPDATE = Exercise(
     mistakes=catalogue("""
         plain update: + return update_landmarks(state, covariance, indices, measurements, measurement_covariance)
             You return the result of update_landmarks, which is the usual filter. Apply its correction by equation 7.12, and move its covariance to the new state.
+        heading not wrapped: warp2pi(updated[2] - state[2]) => updated[2] - state[2]
+            Your correction of the heading is off by a full turn if the heading crosses pi. Wrap it with warp2pi.
+        the covariance before: updated, covariance = update_landmarks => updated, _ = update_landmarks
+            You move the covariance from before the update. A belongs on both sides of the covariance that update_landmarks returns.
+        A of the plain update: (1j * shifts) => (1j * (shifts / (np.sinc(turn / (2 * np.pi)) * np.exp(0.5j * turn))))
+            You evaluate T at the result of update_landmarks. Evaluate it at your own new state.
+        heading kept: updated[points] = state[points] + shifts.view(float) => updated[points] = state[points] + shifts.view(float)
+            + updated[2] = state[2]
+            Your heading is not corrected. Only points are multiplied by V; the heading has the full correction.
+        xi for delta: (updated - state)[points].view(complex) => ((updated - state)[points].view(complex) - 1j * turn * state[points].view(complex))
+            You apply V to xi = T⁻¹ delta. In equation 7.12 it is applied to delta, the correction of update_landmarks.
+        N of the pose alone: change[points] = (1j * shifts).view(float) => change[points] = (1j * shifts).view(float)
+            + change[3:] = 0
+            The third column of your T has no landmarks. N contains (-y, x) of the robot and of each landmark.
         covariance not moved: return updated, covariance + (added + added.T) => return updated, covariance
             Your state is right, but your covariance still belongs to the errors at the old state. Multiply it by A, and by the transpose of A.
         points not turned: * np.exp(0.5j * turn) =>

@@ -189,6 +189,15 @@ MEASUREMENTS_FROM_PIXELS = Exercise(
         x and y: ground_to_measurement(pixel_to_ground(pixels, view)) => pixel_to_ground(pixels, view)
             distance + radius => abs(distance)
             You use x and y on the ground as bearing and range. Convert them with ground_to_measurement.
+        x and y as they are: ground_to_measurement(pixel_to_ground(pixels, view)) => pixel_to_ground(pixels, view)
+            You use x and y on the ground as bearing and range, and to the right of the robot y is negative. Convert them with ground_to_measurement.
+        one pixel at a time: in ground_to_measurement(pixel_to_ground(pixels, view)): => in (ground_to_measurement(pixel_to_ground(pixel, view)) for pixel in pixels):
+            Both functions return one row for each pixel, also for a single pixel. Pass all pixels of a kind, and loop over the rows.
+        kinds after the test: + z = ground_to_measurement(pixel_to_ground(np.vstack([posts, corners]), view))
+            + z = z[np.isfinite(z[:, 1])]
+            + kinds = ["post"] * len(posts) + ["corner"] * len(corners)
+            + return [Measurement(b, r + POST_RADIUS * (kind == "post"), kind) for (b, r), kind in zip(z, kinds)]
+            You leave out points before you know their kinds, so a corner takes the place of a post above the horizon. Convert posts and corners separately.
         the paper's angles: + paper_bearing, paper_distance = earlier("04:paper_bearing"), earlier("04:paper_distance")
             ground_to_measurement(pixel_to_ground(pixels, view)) => np.stack([f(pixels, view) for f in (paper_bearing, paper_distance)], axis=1)
             np.isfinite(distance) => distance > 0
@@ -542,6 +551,14 @@ JOINT_DISTANCE = Exercise(
             You use only the diagonal blocks of R. The other blocks hold the tilt that all measurements of a picture share.
         R's diagonal: np.ix_(own, own)] => np.ix_(own, own)] * np.eye(len(own))
             You use only the diagonal of R. The other entries hold what the measurements of a picture share.
+        rows of rows of R: measurement_covariance[np.ix_(own, own)] => measurement_covariance[own][own]
+            R[rows][rows] chooses rows twice and no columns. A block needs np.ix_(rows, rows).
+        a Measurement as an array: [seen.bearing, seen.range] - => seen -
+            If a Measurement cannot be subtracted: it is not an array. Use [seen.bearing, seen.range].
+        the norm: np.sqrt(innovation @ np.linalg.solve(S, innovation)) => np.linalg.norm(np.linalg.solve(S, innovation))
+            You return the norm of S⁻¹ν. Multiply S⁻¹ν by ν, and take the root of this product.
+        a number for two, in the state: state[columns] =>> state[3 + indices[i] : 5 + indices[i]]
+            You read landmark j from the places 3 + j and 4 + j of the state, but every landmark has two numbers. Landmark j is at 3 + 2 j and 4 + 2 j.
         the mean: solve(S, innovation) => solve(S, innovation) / max(len(paired), 1)
             You divide by the number of pairs. Equation 11.3 has no mean: it sums over all pairs.
         columns of the pose: slice(3 + 2 * indices[i], 5 + 2 * indices[i]) => slice(2 * indices[i], 2 + 2 * indices[i])
@@ -765,6 +782,10 @@ ASSOCIATE = Exercise(
             You square the gate. Do not: both the distance and the gate are in standard deviations.
         the first one's noise: [2 * i : 2 * i + 2, 2 * i : 2 * i + 2] => [:2, :2]
             You do not use each measurement's own R. For measurement i it is the whole block of rows and columns 2 i and 2 i + 1, including the entries off its diagonal.
+        neighbouring rows of R: [2 * i : 2 * i + 2, 2 * i : 2 * i + 2] => [i : i + 2, i : i + 2]
+            You use the rows i and i + 1 of R for measurement i. Each measurement has two rows: 2 i and 2 i + 1.
+        one for a list: [j], [seen], R => j, seen, R
+            joint_distance needs lists, also for one pair: [j] and [the measurement].
         metres
             joint_distance(state, covariance, [j], [seen], R) => np.linalg.norm(landmark_position(state[:3], (seen.bearing, seen.range)) - state[3 + 2 * j : 5 + 2 * j])
             You compare metres with a gate in standard deviations. Half a metre is a large error at 1 m and a small one at 4 m. Use joint_distance.
@@ -1172,6 +1193,9 @@ EKF_SLAM = Exercise(
             You add a new landmark with its R and then correct with the same measurement, so the measurement counts twice. Add it with VAGUE times its R.
         new landmarks tested too late: associate(*belief, one => associate(self.state, self.covariance, self.kinds, one
             You test for new landmarks with the first new one already on the map. A vague landmark is near everything, so the second new one of a picture is never found. Use state, covariance and kinds from before.
+        a list of numbers: np.array(self.association(*belief, seen, seen.covariance, self.gate), dtype=int) => list(self.association(*belief, seen, seen.covariance, self.gate))
+            self.indices < 0) => np.array(self.indices) < 0)
+            Your self.indices is a list, which correct cannot compare with 0. Make it an array: np.array(...).
         a list that grows: belief = self.state, self.covariance, tuple(self.kinds) => belief = self.state, self.covariance, self.kinds
             In number your list of kinds grows while you still decide with it, because a second name for a list is not a copy. It then has more entries than the state. Take a copy first: list(self.kinds).
         a number too large: self.indices[i] = len(self.kinds) => pass
@@ -1203,6 +1227,14 @@ EKF_SLAM = Exercise(
             In use_compass you multiply P by K element by element. Subtract a column times a row instead, which is a matrix: np.outer(K, self.covariance[2]). A row times K, element by element, does not give a matrix either.
         a product of two vectors: np.outer(K, self.covariance[2]) => K @ self.covariance[2]
             In use_compass K @ P[2] is a single number. Subtract a column times a row, which is a matrix: np.outer(K, self.covariance[2]).
+        the gain twice: np.outer(K, self.covariance[2]) => np.outer(K, K)
+            In use_compass you subtract K times K. Subtract K times a row of P: np.outer(K, self.covariance[2]).
+        the direction alone wrapped: wrap_quarter(-direction - self.state[2]) => wrap_quarter(-direction) - self.state[2]
+            In use_compass you wrap the direction before you subtract the heading. Wrap the difference: wrap_quarter(-direction - self.state[2]).
+        a Measurement for bearing and range: one.values[0], vague => one[0], vague
+            In number add_landmark cannot use a Measurement. It needs the vector of bearing and range, seen.values[i].
+        the opposite: [0] < 0: => [0] >= 0:
+            In number your test is the wrong way round. A measurement is a new landmark if associate returns -1 for it, even with three gates.
         range before bearing: add_landmark(self.state, self.covariance, one.values[0] => add_landmark(self.state, self.covariance, one.values[0, ::-1]
             In number you pass range and bearing to add_landmark. It needs the bearing first, as in seen.values.
         a motion for a control: np.array([motion.distance, motion.turn]) => motion
@@ -1217,6 +1249,10 @@ EKF_SLAM = Exercise(
             In number two things are wrong. Take a copy of the list of kinds, list(self.kinds), because the list itself grows with the map. And add a new landmark with VAGUE times its R, because correct uses the same measurement again.
         places by numbers of landmarks: seen.part(used).linearised_at => seen.part(numbers).linearised_at
             In correct you pass the numbers of landmarks to seen.part. It needs the places of the measurements in the picture: np.flatnonzero(self.indices >= 0).
+        several in brackets: seen.part(used).linearised_at => seen[used].linearised_at
+            In correct seen[...] cannot return several measurements as an observation. seen.part(used) does.
+        values of two columns: values, R = seen.part(used).linearised_at(ranges) => values, R = seen.part(used).values, seen.part(used).covariance
+            In correct update_landmarks cannot use an array (m, 2). Use the values, (2m,), and the covariance that linearised_at returns.
         R of the picture for a new landmark: VAGUE * one.covariance => VAGUE * seen.covariance
             In number you pass the R of the whole picture to add_landmark, or something else that it cannot use. It needs a vector of bearing and range, (2,), and this measurement's own R, (2, 2): seen.part([i]).covariance.
         -1 is the last landmark: self.indices >= 0) => self.indices >= -1)
@@ -1264,6 +1300,7 @@ EKF_SLAM = Exercise(
     equivalents={
         "K = self.covariance[2, :] / (self.covariance[2, 2] + sigma ** 2)": "a covariance is symmetric: its row is its column",
         "self.covariance = self.covariance - np.outer(self.covariance[2], K)": "K is that row divided by a number",
+        "used = self.indices >= 0": "part accepts a mask as well",
         "numbers = self.indices[used]": "an array of the same numbers",
         **dict.fromkeys(
             ("pass", "self.state[2] = self.state[2]"), "predict and each innovation wrap the heading"
@@ -1515,6 +1552,8 @@ GRAPH_SLAM = Exercise(
             Your compass edge holds the heading itself. An edge from the first pose holds how far the robot has turned since: subtract the heading at the start.
         from the last pose: append((0, POSE, => append((here - 1, POSE,
             Your compass edge begins at the previous pose. The turn is measured from the first pose.
+        from here to the first pose: append((0, POSE, here, turned => append((here, POSE, 0, turned
+            Your compass edge leads from this pose to the first one. It holds the turn since the start, so it leads from pose 0 to this pose.
         independent measurements: values, R, strict => values, [seen.part([n]).covariance for n in used], strict
             You use plain blocks of R, as if the measurements of a picture were independent. k edges would then count the knowledge of one tilt k times. Use the covariances from seen.part(used).decorrelated(ranges).
         linearised, with plain blocks of R: values, R, strict => *(lambda v, C: (v.reshape(-1, 2), [C[n : n + 2, n : n + 2] for n in range(0, len(C), 2)]))(*seen.part(used).linearised_at(np.hypot(*(places - self.front.state[:2]).T))), strict
@@ -1576,6 +1615,12 @@ GRAPH_SLAM = Exercise(
             You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None.
         heading of None at every stop: if here and self.front.heading is not None => if True
             You compute with a heading of None. The filter's heading is None if the picture has no compass: add an edge only if it is not None. Not every stop has a compass.
+        a plain list: here, origin = as_observation(measurements), => here, origin = measurements,
+            observe also gets plain lists of Measurement, which have no `part`. Begin with as_observation(measurements), as EkfSlam.observe does.
+        nothing to solve: if not self.edges => if False
+            Without an edge there is nothing to solve. Return the filter's estimate.
+        the whole H: linearize(graph, states)[0][3:, 3:] => linearize(graph, states)[0]
+            Your H contains the first pose, so it is singular. Hold this pose: H[3:, 3:].
         linearised_at for decorrelated: seen.part(used).decorrelated => seen.part(used).linearised_at
             An edge needs the values of a single measurement. decorrelated returns values (k, 2) and covariances (k, 2, 2); linearised_at returns one array (2m,) and one matrix.
         the start alone passed on: (start, odometry, gate, association), odometry => (start), odometry
@@ -1583,7 +1628,7 @@ GRAPH_SLAM = Exercise(
         gate and association not passed on: (start, odometry, gate, association), odometry => (start, odometry), odometry
             Your EkfSlam gets neither the gate nor the association.
         a turn for two rows: back @ self.odometry.covariance(motion) @ back.T => back[:2, :2] @ self.odometry.covariance(motion) @ back[:2, :2].T
-            If two shapes do not fit in move: the noise is 3 by 3. Write rotation_2d(-motion.turn) into the first two rows and columns of np.eye(3), and turn the noise with this matrix. If Graph refuses an index: kinds has one entry for each unknown, [POSE] * p + [LANDMARK] * k.
+            If Graph refuses a shape: a motion's edge holds distance, 0 and turn. If two shapes do not fit in move: the noise is 3 by 3. Write rotation_2d(-motion.turn) into the first two rows and columns of np.eye(3), and turn the noise with this matrix. If Graph refuses an index: kinds has one entry for each unknown, [POSE] * p + [LANDMARK] * k.
         a kind for each edge: [POSE] * p + [LANDMARK] * len(kinds) => [each[1] for each in self.edges]
             Your kinds have one entry for each edge. Graph needs one for each unknown, the poses first: [POSE] * p + [LANDMARK] * k.
         no p, by a dense solver: second + p * (kind == LANDMARK) => second
@@ -1602,7 +1647,7 @@ GRAPH_SLAM = Exercise(
         numbers of measurements: self.front.indices[used].tolist() => used.tolist()
             gauss_newton cannot solve your graph, because no edge leads to one of the landmarks. An edge needs the number of its landmark, indices[used], and not a count of the measurements.
         p with the wrong sign, or a matrix too large: second + p * (kind == LANDMARK) => second - p * (kind == LANDMARK)
-            If Graph refuses an index: landmark n is unknown p + n, where p is the number of all poses. If two shapes do not fit: an edge needs the J of bearing and range, which landmark_jacobians returns second, and the R of its own measurement, (2, 2), from decorrelated.
+            If Graph refuses an index: landmark n is unknown p + n, where p is the number of all poses. If it refuses a shape: a landmark's edge, too, holds three numbers and a 3 by 3 information, whose last row and column are zero. If it refuses a text: its kinds are POSE and LANDMARK. If two shapes do not fit: an edge needs the J of bearing and range, which landmark_jacobians returns second, and the R of its own measurement, (2, 2), from decorrelated.
     """),
         *_without_drives(
             catalogue("""
@@ -1621,6 +1666,8 @@ GRAPH_SLAM = Exercise(
             You return the filter's pose and landmarks. Return the pose and landmarks of the states that gauss_newton returns.
         R itself: np.linalg.inv(J @ own @ J.T) => own
             Your measurement edges hold R. Convert it to metres, J R Jᵀ, and invert the result.
+        places on the field: (origin, value) =>> (self.front.state[:3], value)
+            Your measurement edges hold places on the field. An edge is relative to its pose: use landmark_position and landmark_jacobians at (0, 0, 0).
         R inverted first: np.linalg.inv(J @ own @ J.T) => J @ np.linalg.inv(own) @ J.T
             You invert R before you convert it. Convert R to metres first, J R Jᵀ, and invert the result.
         R inverted first, J transposed: np.linalg.inv(J @ own @ J.T) => J.T @ np.linalg.inv(own) @ J
@@ -1666,6 +1713,7 @@ GRAPH_SLAM = Exercise(
         },
         **{f"for _ in range({steps}):": "the drives settle within fewer steps" for steps in (4, 6)},
         "pass": "the drives settle from predictions as well",
+        "used = self.front.indices >= 0": "part accepts a mask as well",
         "numbers = self.front.indices[used]": "an array of whole numbers counts as well",
         "information = np.ones((3, 3))": "of a landmark's edge only the first two rows and columns count",
         "self.edges.append((here, LANDMARK, number, [*z, 1.0], information))": "a landmark has no angle",

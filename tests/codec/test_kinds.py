@@ -175,6 +175,12 @@ def test_keys_that_are_made_to_be_alike_are_refused_before_a_dict_takes_minutes(
         assert decode(encode(row)) == row
 
 
+@pytest.mark.parametrize("function", [np.sin, len, lambda: 0, [].append])
+def test_a_function_that_was_not_called_is_named(function):
+    with pytest.raises(CodecError, match="call this function with its arguments"):
+        encode(function)
+
+
 def test_an_expression_of_sympy_is_told_from_other_strangers_and_no_class_passes_for_a_registered_one():
     for value in (sympy.cos(1), [sympy.cos(1)], np.array([1.0, sympy.cos(1)]), sympy.Matrix([1, 2])):
         with pytest.raises(CodecError, match=r"expressions of SymPy: use np\.cos"):

@@ -388,6 +388,8 @@ def test_a_payoff_says_which_exercises_are_missing_or_wrong_and_shows_what_can_b
     assert "your exercise 90.1, which is not written" in repr(check.payoff(draw, clamp=blank))
     both = repr(check.payoff(draw, mean_of_positive=blank, clamp=blank))
     assert "your exercises 90.1, 90.2, which are not written" in both
+    begun = repr(check.payoff(lambda **own: own["mean_of_positive"](), clamp=max, mean_of_positive=blank))
+    assert "your exercises 90.1, 90.2, which are not finished" in begun
     drawn = check.payoff(draw, clamp=lambda x, low, high: x)
     assert repr(drawn) == "This is drawn with your exercise 90.1, which does not pass the public checks.\n5"
     assert "does not pass" in drawn._repr_html_() and "<pre>5</pre>" in drawn._repr_html_()

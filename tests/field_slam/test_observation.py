@@ -26,7 +26,7 @@ def some(number: int = 3) -> list[Measurement]:
 
 
 def ground(pixels, view) -> np.ndarray:
-    """Bearing and range of pixels, by the exact geometry."""
+    """Return bearing and range of pixels by the exact geometry."""
     right, below = ((view.undistort(pixels) - view.centre) / view.focal).T
     rays = np.column_stack([np.ones(len(right)), -right, -below]) @ view.rotation.T
     points = np.array(view.offset) - view.height * rays[:, :2] / rays[:, 2:]
@@ -57,6 +57,9 @@ def test_a_covariance_is_independent_noise_and_a_common_tilt_which_a_part_keeps(
     assert np.linalg.matrix_rank(together - alone, tol=1e-12) == 1
     seen = as_observation(some(4))
     assert np.allclose(seen.part([2, 0]).covariance[:2, 2:], seen.covariance[4:6, :2])
+    by_mask = seen.part([True, False, True])
+    assert list(by_mask) == [seen[0], seen[2]]
+    assert np.array_equal(by_mask.covariance, seen.part([0, 2]).covariance)
     assert len(seen.part([])) == 0 and seen.part([]).covariance.shape == (0, 0)
 
 

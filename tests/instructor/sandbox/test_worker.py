@@ -164,7 +164,11 @@ def test_an_outcome_says_what_came_of_a_call_and_an_answer_is_plain_when_it_arri
         ("interrupts", "interrupted", ""),
         ("raises_oddly", "raised", "Raises"),
         ("no_such_name", "not found", ""),
-        ("gives_function", "unsendable", "a value of type function cannot be sent"),
+        (
+            "gives_function",
+            "unsendable",
+            "a value of type function cannot be sent; call this function with its arguments",
+        ),
         ("gives_liar", "unsendable", "a value of type Liar cannot be sent"),
         ("gives_much", "unsendable", "a value larger than"),
         ("gives_many", "unsendable", "more than 200000 values"),
