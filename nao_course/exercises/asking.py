@@ -69,7 +69,7 @@ _CHOICES_CSS = """
 .nao-question .widget-radio, .nao-question .widget-radio-box { width: auto; height: auto; max-width: 100%; }
 .nao-question .widget-radio-box label { display: flex; align-items: flex-start; gap: 8px; height: auto;
   line-height: 1.4; margin: 0 0 6px; white-space: normal; cursor: pointer; }
-.nao-question .widget-radio-box input { order: -1; flex: none; margin: 3px 0 0; }
+.nao-question .widget-radio-box input { order: -1; flex: none; height: 13px; margin: 3px 0 0; }
 """
 
 
@@ -266,7 +266,8 @@ class _PredictionView:
         self.quit = ipywidgets.Button(description="Give up", tooltip="Show the result without a prediction")
         self.said = ipywidgets.HTML()
         title = ipywidgets.HTML(value=Message(prediction.text)._repr_html_() + styles_that_keep_keys())
-        row = ipywidgets.HBox([self.field, ipywidgets.Label(prediction.unit), self.button, self.quit])
+        unit = ipywidgets.Label(prediction.unit, layout={"flex": "none"})
+        row = ipywidgets.HBox([self.field, unit, self.button, self.quit], layout={"flex_flow": "row wrap"})
         self.box = ipywidgets.VBox([title, row, self.said])
         self.field.observe(self.write, names="value")
         self.button.on_click(self.write)

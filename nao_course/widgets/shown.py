@@ -149,14 +149,14 @@ def is_picture(shown: Any) -> bool:
 def as_picture(shown: Any) -> Pixels:
     """Return a picture or a figure as RGB pixels (H, W, 3); refuse anything else with a TypeError or ValueError.
 
-    Arrays are RGB (H, W, 3) or grey (H, W) of uint8, or bool (H, W).
+    Arrays are RGB (H, W, 3) or grey (H, W) of uint8, or bool (H, W); a fourth channel is the opacity.
     """
     if isinstance(shown, Drawing):
         return _rendered(shown)
     array = shown.pixels if isinstance(shown, Picture) else np.asarray(shown)
     if array.dtype == bool:
         array = np.where(array, 255, 0).astype(np.uint8)
-    if array.dtype != np.uint8 or not array.size or not (array.ndim == 2 or array.shape[2:] == (3,)):
+    if array.dtype != np.uint8 or not array.size or not (array.ndim == 2 or array.shape[2:] in ((3,), (4,))):
         raise ValueError(
             "a picture must be uint8 of shape (H, W, 3) or (H, W), or bool of shape (H, W); "
             f"got {array.dtype} {array.shape}"
@@ -174,7 +174,7 @@ def _rendered(drawing: Drawing) -> Pixels:
 def encoded(pixels: Pixels, is_figure: bool) -> tuple[str, bytes]:
     """Return a picture as ("png" or "jpeg", bytes): figures and painted pictures as PNG, photographs as JPEG."""
     sample = pixels[:: 1 + pixels.shape[0] // 48, :: 1 + pixels.shape[1] // 48].astype(np.int32)
-    colours = np.unique(sample @ (65536, 256, 1))
-    if is_figure or len(colours) <= FEW_COLOURS:
+    colours = np.unique(sample[..., :3] @ (65536, 256, 1))
+    if is_figure or pixels.shape[2] == 4 or len(colours) <= FEW_COLOURS:
         return "png", png(pixels)
     return "jpeg", jpeg(pixels)

@@ -45,7 +45,7 @@ _CSS = """
 .nao-filter .nao-hue .noUi-connects { background: linear-gradient(to right, hsl(0 85% 55%), hsl(60 85% 50%),
   hsl(120 85% 42%), hsl(180 85% 45%), hsl(240 85% 60%), hsl(300 85% 55%), hsl(359 85% 55%)); }
 .nao-filter .nao-hue .noUi-connect { background: none; }
-.nao-laid-out.nao-filter .nao-body { --nao-tallest: 345px; }
+.nao-laid-out.nao-filter .nao-body { --nao-most: 335px; }
 """
 
 

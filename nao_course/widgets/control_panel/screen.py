@@ -214,7 +214,8 @@ class Screen:
         paths: dict[str, Any] = {}
         if self._with_truth and cockpit.truth is not None:
             paths["truth"] = cockpit.truth.path
-        paths["odometry"] = cockpit.odometry
+        if "odometry" in self._names:
+            paths["odometry"] = cockpit.odometry
         estimate = self.estimate()
         if cockpit.slam is not None:
             paths[self._source] = cockpit.estimated
