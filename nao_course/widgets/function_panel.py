@@ -62,6 +62,9 @@ _CSS = """
 @container (max-width: 600px) { .nao-function .nao-scores :is(th, td) { padding: 1px 3px; min-width: 0; } }
 .nao-function .nao-key { display: inline-block; width: 11px; height: 11px; border: 1px solid #555; margin-right: 5px;
   vertical-align: -1px; }
+.nao-function .nao-status { position: relative; }
+.nao-function.nao-busy .nao-status::after { position: absolute; right: 8px; bottom: 3px; font-weight: 600;
+  content: "Computing \\2026"; background: inherit; padding-left: 8px; animation: nao-later 0.5s; }
 .nao-function .nao-legend .widget-html-content { font-size: 12px; line-height: 20px; }
 .nao-function .nao-legend span { white-space: nowrap; margin-right: 12px; }
 """
@@ -271,13 +274,17 @@ class FunctionPanel:
             before, parts = self._shown, list[Any]()
             self._student.begin()
             self._latest = Attempt(message="Interrupted.")  # unless the attempt below ends
-            self._latest = attempt(
-                lambda: self._call_show(parts),
-                self._source_of_error,
-                limit=self.time_limit,
-                unfinished=self._say_unfinished,
-                quiet=True,
-            )
+            switch(self.widget, "nao-busy", True)  # JupyterLab calls the kernel idle meanwhile
+            try:
+                self._latest = attempt(
+                    lambda: self._call_show(parts),
+                    self._source_of_error,
+                    limit=self.time_limit,
+                    unfinished=self._say_unfinished,
+                    quiet=True,
+                )
+            finally:
+                switch(self.widget, "nao-busy", False)
             self._error = self._latest.error or self._error
             if not self._latest.done:
                 self._shown = Shown.of(_showable(parts))

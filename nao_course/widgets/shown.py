@@ -168,7 +168,8 @@ def as_picture(shown: Any) -> Pixels:
 def _rendered(drawing: Drawing) -> Pixels:
     canvas: Any = FigureCanvasAgg(drawing.figure)
     canvas.draw()
-    return np.array(canvas.buffer_rgba())[:, :, :3]
+    opaque = drawing.figure.get_facecolor()[3] > 0
+    return np.array(canvas.buffer_rgba())[:, :, : 3 if opaque else 4]
 
 
 def encoded(pixels: Pixels, is_figure: bool) -> tuple[str, bytes]:

@@ -17,7 +17,7 @@ from matplotlib.colors import hsv_to_rgb, to_rgba
 from matplotlib.figure import Figure
 
 from nao_course.lessons.hsl_filtering.light import BINS, MARKS, SPANS
-from nao_course.plotting.style import LABEL_COLOURS, course_style
+from nao_course.plotting.style import INK, LABEL_COLOURS, course_style
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -27,7 +27,6 @@ CENTRE, INNER, OUTER = (WIDTH // 2, HEIGHT // 2), 36, 100  # of the circle's bar
 PIXEL = "#c84b00"  # the chosen pixel, on picture and circle
 WEDGE = 3  # degrees of a bar on the circle
 _STACKED = (1, 0, 2, 3)  # labels from the bottom of the histogram to its top
-INK = "#767676"  # of writing and outlines: the same contrast with white and with black
 _BAR_COLOURS = np.array([to_rgba(LABEL_COLOURS[k]) for k in _STACKED] + [(1.0, 1.0, 1.0, 0.0)]) * 255
 _BAR_COLOURS = np.round(_BAR_COLOURS).astype(np.uint8)
 

@@ -38,7 +38,7 @@ from nao_course.lessons.distance.phone.sheet import (
 from nao_course.plotting import STYLES, Drawing, course_style, plot_pose, table
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.marks import at_scale, rgb
-from nao_course.plotting.style import FOUND
+from nao_course.plotting.style import FOUND, INK
 from nao_course.sim import CameraView
 from nao_course.widgets import Action, FunctionPanel, Pixel, Slider
 
@@ -248,9 +248,14 @@ def _polar(points: FloatArray) -> list[tuple[float, float]]:
 
 @course_style()
 def _draw_paper(clicked: Collection[str], pose: Pose | None = None, points: npt.ArrayLike = ()) -> Drawing:
-    """Draw the paper as it lies, the letters that are clicked, and the points (N, 2) of a phone in the field frame."""
-    figure = Figure(figsize=(4.6, 4.4))
-    ax = figure.add_subplot()
+    """Draw the paper as it lies, the letters that are clicked, and the points (N, 2) of a phone in the field frame.
+
+    The paper has its true colours on every page, so what is around it is transparent.
+    """
+    figure = Figure(figsize=(4.6, 4.4), facecolor="none")
+    ax = figure.add_subplot(facecolor="none")
+    ax.tick_params(colors=INK)
+    ax.spines[:].set_color(INK)
     half, low = 50 * PAPER[0], -100 * BELOW
     lowest = low
     ax.imshow(_small_sheet(), extent=(-half, half, low, low + 100 * PAPER[1]))
@@ -285,8 +290,12 @@ def _draw_paper(clicked: Collection[str], pose: Pose | None = None, points: npt.
         places = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in marks)
         said += f" The phone is above ({phone[0]:.1f}, {phone[1]:.1f}) cm; landmarks: {places or 'none'}."
     ax.set(xlabel="to the right on the paper (cm)", ylabel="up on the paper (cm)", ylim=(lowest, None))
+    ax.xaxis.label.set_color(INK)
+    ax.yaxis.label.set_color(INK)
     legend_below(figure, keys)
-    return Drawing(figure, said)
+    for text in figure.legends[0].get_texts():
+        text.set_color(INK)
+    return Drawing(figure, said, photo=True)
 
 
 @cache
