@@ -41,19 +41,6 @@ COMMON_CSS = """
   background: var(--jp-layout-color1, white); color: var(--jp-ui-font-color1, black); caret-color: transparent; }
 .nao-panel .nao-keys:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
 .nao-panel :focus-visible { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
-.nao-panel.jupyter-widgets-disconnected::before,
-.nao-panel .jupyter-widgets-disconnected.jupyter-widgets-disconnected::before { content: none !important; }
-.nao-panel.jupyter-widgets-disconnected > * { opacity: 0.3; filter: grayscale(1); pointer-events: none; }
-.nao-panel::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 50%; translate: 0 -50%;
-  padding: 10px 14px; border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px;
-  white-space: normal; color: var(--jp-ui-font-color1, black); background: var(--jp-layout-color1, white);
-  box-shadow: 0 1px 8px #0006; }
-.nao-panel.jupyter-widgets-disconnected::after { content: "The kernel was restarted, so this panel no longer works. \
-In the menu Run, choose Run All Above Selected Cell; then run this panel's cell again."; }
-.jp-NotebookPanel:has(.jp-Notebook-ExecutionIndicator:is([data-status=connecting], [data-status=disconnected]))
-  .nao-panel:not(.jupyter-widgets-disconnected)::after { animation: nao-later 3s; content: "The connection to the \
-kernel is lost. Wait a moment: the panel goes on by itself. If it does not, reload this page and run its cell again."; }
-@keyframes nao-later { 0%, 99% { opacity: 0; } }
 """
 
 

@@ -57,3 +57,14 @@ def test_the_unit_of_a_prediction_is_not_cut_off_in_a_narrow_column(lab, page):
     buttons = page.get_by_role("button", name=re.compile("Write it down|Give up"))
     for each in (unit, buttons.first, buttons.last):
         assert each.evaluate("each => each.scrollWidth <= each.clientWidth")
+
+
+def test_a_prediction_says_that_the_kernel_was_restarted(lab, page):
+    run_notebook(lab, page, "restarted.ipynb", PREDICTION)
+    page.locator(".nao-asks").wait_for(timeout=240_000)
+    said = "() => getComputedStyle(document.querySelector('.nao-asks'), '::after').content"
+    assert page.evaluate(said) == "none"
+    page.evaluate(
+        "() => window.jupyterapp.shell.currentWidget.sessionContext.session.kernel.restart().then(() => null)"
+    )
+    wait_for(lambda: "Run All Above" in page.evaluate(said), "words about the restart")
