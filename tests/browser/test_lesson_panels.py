@@ -71,3 +71,13 @@ def test_the_robots_stages_and_the_small_pictures_caption_are_not_cut_off(panels
         ".nao-camera:not(.nao-chosen) .nao-caption .widget-html-content",
     ):
         assert root.locator(words).evaluate("each => each.scrollWidth <= each.clientWidth"), words
+
+
+@pytest.mark.parametrize("width", [1280, 1024, 900])
+def test_no_word_on_the_robots_buttons_is_cut_off_in_any_view(panels, width):
+    root = panels.show(panels.labels.index("my_nao(), everything solved"), width)
+    cut = "all => all.filter(each => each.scrollWidth > each.clientWidth).map(each => each.innerText)"
+    for _ in range(3):
+        root.locator(".nao-do-view").click()
+        panels.page.wait_for_timeout(1000)
+        assert root.locator(".nao-actions button").evaluate_all(cut) == []
