@@ -13,7 +13,7 @@ BESIDE = 1.7  # width / height of all pictures together; controls are below pict
 # pictures of a wide panel, the groups and the status share the width; in a narrower panel the status has its own line.
 # Many controls (nao-wide) have a line above the others, unless these have small pictures and little width.
 # --nao-tallest is the largest height of a picture, so that pictures and controls are on a laptop's screen together:
-# --nao-most, or less in a low window, such as that of an enlarged page, of which --nao-rest are for everything else.
+# --nao-most, or less in a low window, such as on an enlarged page, of which --nao-rest are for everything else.
 _CSS = """
 .nao-laid-out { container-type: inline-size; width: 100%; max-width: 1240px; overflow: visible; }
 .nao-laid-out .nao-body { display: grid; grid-template-columns: minmax(0, 1fr); gap: 6px 16px; align-items: start;

@@ -191,9 +191,8 @@ def test_a_histogram_stands_upright_over_its_lightnesses_and_a_hue_is_on_the_cir
         ((drawn.TOP + 2, (drawn.LEFT + drawn.RIGHT) // 2), MARKS["threshold"][0]),
     ):
         assert tuple(picture[place]) == (*colour(wanted), 255)
-    assert (
-        picture[drawn.TOP + 2, drawn.LEFT + 2, 3] == picture[0, 0, 3] == 0
-    )  # the page is seen through the paper
+    # The page is seen through the paper
+    assert picture[drawn.TOP + 2, drawn.LEFT + 2, 3] == picture[0, 0, 3] == 0
     hue = np.full((3, 3), 91.0, dtype=np.float32)
     everywhere = np.ones((3, 3), dtype=bool)
     counts = drawn.hue_counts(hue, everywhere)
