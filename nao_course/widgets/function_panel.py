@@ -243,7 +243,7 @@ class FunctionPanel:
         if self._moving:
             return
         try:
-            self._values = self._checked({control.name: control.from_widget(change["new"])})
+            self._values = self._checked({control.name: change["new"]})
             self._refused = ""
         except ValueError as error:  # an impossible value was typed: no caller of a callback could catch this
             self._take(self._values)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -168,7 +169,7 @@ def as_picture(shown: Any) -> Pixels:
 def _rendered(drawing: Drawing) -> Pixels:
     canvas: Any = FigureCanvasAgg(drawing.figure)
     canvas.draw()
-    opaque = drawing.figure.get_facecolor()[3] > 0
+    opaque = to_rgba(drawing.figure.get_facecolor())[3] > 0
     return np.array(canvas.buffer_rgba())[:, :, : 3 if opaque else 4]
 
 

@@ -76,7 +76,7 @@ class SettingPanel(FunctionPanel):
                     "length", "Least length", 15, 80, 5, 40, unit="px", tooltip="Shortest length of a segment"
                 ),
                 Action("paper", "The paper's best", sets={"beta": 120, "gap": 5, "length": 40}),
-                Action("fresh", "Thirty new pictures (15 s)", tooltip="Other rooms; Reset brings yours back"),
+                Action("fresh", "Thirty new pictures", tooltip="Other rooms; Reset brings yours back"),
             ],
             student={"grid_search": grid_search, "bootstrap_interval": bootstrap_interval, "find": find},
             small=(COSTS,),
