@@ -22,9 +22,9 @@ from nao_course.sim import LABELS, Picture, VisibleLandmark
 
 
 def as_pixels(picture: Picture | npt.ArrayLike) -> npt.NDArray[Any]:
-    """Return an RGB picture, which may have opacities as a fourth channel, or a single channel as an array."""
+    """Return an RGB picture or a single channel as an array."""
     array = picture.pixels if isinstance(picture, Picture) else np.asarray(picture)
-    if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] not in (3, 4)) or 0 in array.shape:
+    if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] != 3) or 0 in array.shape:
         raise ValueError(
             f"a picture must be a Picture or an array of shape (H, W, 3) or (H, W), got {array.shape}"
         )

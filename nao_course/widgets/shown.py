@@ -114,7 +114,7 @@ class Shown:
         figure = Figure(figsize=(9.6, min(9.6 / sum(ratios), 6.0) + around))
         axes = figure.subplots(1, len(shapes), width_ratios=ratios, squeeze=False)[0]
         for ax, (title, pixels) in zip(axes, self.pictures.items(), strict=False):
-            plot_picture(pixels, ax, ticks=False)
+            plot_picture(on_white(pixels), ax, ticks=False)
             if title in self.drawings and not self.drawings[title].photo:
                 ax.images[0].set_gid(NO_PHOTO)
             ax.set_title(title.strip(), fontsize=11)
@@ -163,6 +163,14 @@ def as_picture(shown: Any) -> Pixels:
             f"got {array.dtype} {array.shape}"
         )
     return array if array.ndim == 3 else np.repeat(array[..., None], 3, axis=2)
+
+
+def on_white(pixels: Pixels) -> Pixels:
+    """Return a picture (H, W, 3), or one with opacity (H, W, 4) as on white paper, in RGB."""
+    if pixels.shape[2] == 3:
+        return pixels
+    opacity = pixels[..., 3:] / 255
+    return np.round(pixels[..., :3] * opacity + 255 * (1 - opacity)).astype(np.uint8)
 
 
 @course_style()

@@ -14,6 +14,7 @@ from nao_course.lessons.hsl_filtering import panel as panel_module
 from nao_course.lessons.hsl_filtering.light import BINS, MARKS
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
+from nao_course.widgets.shown import on_white
 from tests.widgets.robots import decoded
 
 GREEN, YELLOW = (105.0, 150.0), (45.0, 60.0)
@@ -193,6 +194,7 @@ def test_a_histogram_stands_upright_over_its_lightnesses_and_a_hue_is_on_the_cir
         assert tuple(picture[place]) == (*colour(wanted), 255)
     # The page is seen through the paper
     assert picture[drawn.TOP + 2, drawn.LEFT + 2, 3] == picture[0, 0, 3] == 0
+    assert (on_white(picture)[drawn.TOP + 2, drawn.LEFT + 2] == 255).all()
     hue = np.full((3, 3), 91.0, dtype=np.float32)
     everywhere = np.ones((3, 3), dtype=bool)
     counts = drawn.hue_counts(hue, everywhere)
