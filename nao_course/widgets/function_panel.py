@@ -200,8 +200,13 @@ class FunctionPanel:
 
     def drawing(self) -> Drawing:
         """Return the panel's contents as a figure, for places without widgets."""
-        values = ((each, self._values[each.name]) for each in self._pixels())
-        marks = {self._picture_of(each): value for each, value in values if each.is_marked(value)}
+        marks = {}
+        for each in self._pixels():
+            title, value = self._picture_of(each), self._values[each.name]
+            if title in self._shown.pictures and each.is_marked(value):
+                height, width = self._shown.pictures[title].shape[:2]
+                scale = np.divide((width, height), each.size)  # a picture may be shown enlarged
+                marks[title] = tuple(scale * (np.array(value) + 0.5) - 0.5)
         return self._shown.drawing(f"{self.title}: {'; '.join(self.summary().splitlines())}", marks)
 
     def __repr__(self) -> str:

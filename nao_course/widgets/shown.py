@@ -98,7 +98,7 @@ class Shown:
         )
 
     @course_style()
-    def drawing(self, words: str, marks: Mapping[str, tuple[int, int]]) -> Drawing:
+    def drawing(self, words: str, marks: Mapping[str, tuple[float, ...]]) -> Drawing:
         """Return the pictures side by side as one figure, or a single figure, with marks at pixels (u, v) by title.
 
         `words` is the text alternative, and stands in the figure where there is no picture.
