@@ -39,14 +39,35 @@ box.addEventListener('keydown', event => {
   event.stopPropagation();
 });"""
 
+# What a panel, a question, a prediction or a sheet says when no kernel answers; ipywidgets shows only broken links.
+_NO_KERNEL_CSS = """
+.nao-asks { position: relative; }
+:is(.nao-panel, .nao-asks).jupyter-widgets-disconnected::before, :is(.nao-panel, .nao-asks)
+  .jupyter-widgets-disconnected.jupyter-widgets-disconnected::before { content: none !important; }
+:is(.nao-panel, .nao-asks).jupyter-widgets-disconnected > * {
+  opacity: 0.3; filter: grayscale(1); pointer-events: none; }
+:is(.nao-panel, .nao-asks)::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 50%; translate: 0 -50%;
+  padding: 10px 14px; border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px;
+  white-space: normal; color: var(--jp-ui-font-color1, black); background: var(--jp-layout-color1, white);
+  box-shadow: 0 1px 8px #0006; }
+:is(.nao-panel, .nao-asks).jupyter-widgets-disconnected::after { content: "The kernel was restarted, so this no longer \
+works. In the menu Run, choose Run All Above Selected Cell; then run this cell again."; }
+.jp-NotebookPanel:has(.jp-Notebook-ExecutionIndicator:is([data-status=connecting], [data-status=disconnected]))
+  :is(.nao-panel, .nao-asks):not(.jupyter-widgets-disconnected)::after { animation: nao-later 3s; content: "The \
+connection to the kernel is lost. Wait a moment: this goes on by itself. If it does not, reload this page and run the \
+cell again."; }
+@keyframes nao-later { 0%, 99% { opacity: 0; } }
+"""
+
 
 def styles_that_keep_keys(css: str = "", *scripts: str) -> str:
     """Return CSS rules as HTML that also disables JupyterLab's shortcuts inside the widgets of the box.
 
-    Further scripts are run as well, each with the style's element as `this`.
+    A box with the class ``nao-panel`` or ``nao-asks`` also says when there is no kernel. Further scripts are run as
+    well, each with the style's element as `this`.
     """
     all_of_them = "\n".join(f"(() => {{ {script} }})();" for script in (_KEYS_SCRIPT, *scripts))
-    return f'<style onload="{escape(all_of_them)}">{css or "/* */"}</style>'
+    return f'<style onload="{escape(all_of_them)}">{_NO_KERNEL_CSS}{css}</style>'
 
 
 def reply(question: PublicQuestion, answer: str) -> Message:
@@ -69,7 +90,7 @@ _CHOICES_CSS = """
 .nao-question .widget-radio, .nao-question .widget-radio-box { width: auto; height: auto; max-width: 100%; }
 .nao-question .widget-radio-box label { display: flex; align-items: flex-start; gap: 8px; height: auto;
   line-height: 1.4; margin: 0 0 6px; white-space: normal; cursor: pointer; }
-.nao-question .widget-radio-box input { order: -1; flex: none; margin: 3px 0 0; }
+.nao-question .widget-radio-box input { order: -1; flex: none; height: 13px; margin: 3px 0 0; }
 """
 
 
@@ -94,7 +115,7 @@ def ask(question: PublicQuestion) -> Any:
     buttons.observe(chosen, names="value")
     choices = "\n".join(f"  {number}. {text}" for number, text in enumerate(question.choices, start=1))
     box = _box([title, buttons, answer], f"{question.text}\n{choices}")
-    box.add_class("nao-question")
+    box.add_class("nao-question").add_class("nao-asks")
     return box
 
 
@@ -266,8 +287,9 @@ class _PredictionView:
         self.quit = ipywidgets.Button(description="Give up", tooltip="Show the result without a prediction")
         self.said = ipywidgets.HTML()
         title = ipywidgets.HTML(value=Message(prediction.text)._repr_html_() + styles_that_keep_keys())
-        row = ipywidgets.HBox([self.field, ipywidgets.Label(prediction.unit), self.button, self.quit])
-        self.box = ipywidgets.VBox([title, row, self.said])
+        unit = ipywidgets.Label(prediction.unit, layout={"flex": "none"})
+        row = ipywidgets.HBox([self.field, unit, self.button, self.quit], layout={"flex_flow": "row wrap"})
+        self.box = ipywidgets.VBox([title, row, self.said]).add_class("nao-asks")
         self.field.observe(self.write, names="value")
         self.button.on_click(self.write)
         self.quit.on_click(self.give_up)

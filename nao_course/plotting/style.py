@@ -52,6 +52,7 @@ LINE_RIM = "#44683c"  # around the lines of a field, which are dark where a dark
 # Of maps on a dark page, and of maps without a field
 DARK_CARPET, DARK_LINE, PAPER, DARK_PAPER = "#24382b", "#bccabd", "#f1f3f1", "#1f2622"
 LABEL_COLOURS = ("#4b4b55", "#3f9b55", "#f2c413", "#ffffff")  # other, green, yellow, white
+INK = "#767676"  # of writing on transparent paper: the same contrast with a white page and with a black one
 FOUND = "#ff3b81"  # rings around detected points; differs from the carpet, posts and lines
 _CONTRAST = 5.0  # of a colour with the dark carpet
 _OWN_STYLE = {

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from nao_course.exercises.asking import styles_that_keep_keys
 from nao_course.exercises.comparisons.jacobians import UNKNOWN_SLIP, Derivative, evaluated, jacobian
 from nao_course.exercises.trying import Message
 
@@ -55,9 +56,11 @@ _RIGHT, _WRONG, _PLAIN = (
     "2px dashed var(--nao-wrong, #9a6700)",
     "1px solid #999",
 )
-_CSS = """<style>.nao-sheet input { font-family: monospace; }
+_CSS = """
+.nao-sheet input { font-family: monospace; }
 .nao-sheet .widget-html-content { line-height: 20px; }
-.nao-sheet .widget-htmlmath { min-height: 20px; margin: 0 2px; }</style>"""
+.nao-sheet .widget-htmlmath { min-height: 20px; margin: 0 2px; }
+"""
 
 
 def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
@@ -394,9 +397,9 @@ class _SheetView:
             description="Check", tooltip="Compare each entry with the model's derivative"
         )
         button.on_click(self.check)
-        title = ipywidgets.HTML(f"{_CSS}<b>{escape(sheet.title)}</b>")
+        title = ipywidgets.HTML(f"{styles_that_keep_keys(_CSS)}<b>{escape(sheet.title)}</b>")
         self.box = ipywidgets.VBox([title, grid, button, self.said])
-        self.box.add_class("nao-sheet")
+        self.box.add_class("nao-sheet").add_class("nao-asks")
 
     def check(self, _: Any = None) -> None:
         """Check the entries in the fields."""

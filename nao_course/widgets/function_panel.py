@@ -62,6 +62,9 @@ _CSS = """
 @container (max-width: 600px) { .nao-function .nao-scores :is(th, td) { padding: 1px 3px; min-width: 0; } }
 .nao-function .nao-key { display: inline-block; width: 11px; height: 11px; border: 1px solid #555; margin-right: 5px;
   vertical-align: -1px; }
+.nao-function .nao-status { position: relative; }
+.nao-function.nao-busy .nao-status::after { position: absolute; right: 8px; bottom: 3px; font-weight: 600;
+  content: "Computing \\2026"; background: inherit; padding-left: 8px; animation: nao-later 0.5s; }
 .nao-function .nao-legend .widget-html-content { font-size: 12px; line-height: 20px; }
 .nao-function .nao-legend span { white-space: nowrap; margin-right: 12px; }
 """
@@ -197,8 +200,13 @@ class FunctionPanel:
 
     def drawing(self) -> Drawing:
         """Return the panel's contents as a figure, for places without widgets."""
-        values = ((each, self._values[each.name]) for each in self._pixels())
-        marks = {self._picture_of(each): value for each, value in values if each.is_marked(value)}
+        marks = {}
+        for each in self._pixels():
+            title, value = self._picture_of(each), self._values[each.name]
+            if title in self._shown.pictures and each.is_marked(value):
+                height, width = self._shown.pictures[title].shape[:2]
+                scale = np.divide((width, height), each.size)  # a picture may be shown enlarged
+                marks[title] = tuple(scale * (np.array(value) + 0.5) - 0.5)
         return self._shown.drawing(f"{self.title}: {'; '.join(self.summary().splitlines())}", marks)
 
     def __repr__(self) -> str:
@@ -240,7 +248,7 @@ class FunctionPanel:
         if self._moving:
             return
         try:
-            self._values = self._checked({control.name: control.from_widget(change["new"])})
+            self._values = self._checked({control.name: change["new"]})
             self._refused = ""
         except ValueError as error:  # an impossible value was typed: no caller of a callback could catch this
             self._take(self._values)
@@ -271,13 +279,17 @@ class FunctionPanel:
             before, parts = self._shown, list[Any]()
             self._student.begin()
             self._latest = Attempt(message="Interrupted.")  # unless the attempt below ends
-            self._latest = attempt(
-                lambda: self._call_show(parts),
-                self._source_of_error,
-                limit=self.time_limit,
-                unfinished=self._say_unfinished,
-                quiet=True,
-            )
+            switch(self.widget, "nao-busy", True)  # JupyterLab calls the kernel idle meanwhile
+            try:
+                self._latest = attempt(
+                    lambda: self._call_show(parts),
+                    self._source_of_error,
+                    limit=self.time_limit,
+                    unfinished=self._say_unfinished,
+                    quiet=True,
+                )
+            finally:
+                switch(self.widget, "nao-busy", False)
             self._error = self._latest.error or self._error
             if not self._latest.done:
                 self._shown = Shown.of(_showable(parts))

@@ -58,10 +58,6 @@ class Control(ABC):
         """Return the widget's representation of a value."""
         return value
 
-    def from_widget(self, held: Any) -> Any:
-        """Return the value, not yet checked, of a widget's representation."""
-        return held
-
     def css_class(self, kind: str) -> str:
         """Return the class of the widget on the page, such as "nao-slider-tilt"."""
         return f"nao-{kind}-{self.name.replace('_', '-')}"
@@ -306,9 +302,9 @@ class Pixel(Control):
         super().__post_init__()
 
     def checked(self, value: Any) -> tuple[int, int]:
-        """Return (u, v), two integers inside the picture."""
+        """Return (u, v), two integers inside the picture, also from a text such as "12, 7"."""
         try:
-            u, v = (float(each) for each in value)
+            u, v = map(float, value.strip("() ").split(",") if isinstance(value, str) else value)
         except (TypeError, ValueError):
             u = v = math.nan
         width, height = self.size
@@ -322,10 +318,6 @@ class Pixel(Control):
     def to_widget(self, value: Any) -> str:
         """Return "u, v"."""
         return f"{value[0]}, {value[1]}"
-
-    def from_widget(self, held: Any) -> Any:
-        """Return the parts of the typed text, not yet checked."""
-        return held.strip("() ").split(",")
 
     def widget(self) -> Any:
         """Return a text field, which clicks in the picture also fill in."""

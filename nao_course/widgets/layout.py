@@ -12,12 +12,14 @@ BESIDE = 1.7  # width / height of all pictures together; controls are below pict
 # as in JupyterLab with its list of files on a page of 1280 px; tall controls also beside a narrower picture. Below the
 # pictures of a wide panel, the groups and the status share the width; in a narrower panel the status has its own line.
 # Many controls (nao-wide) have a line above the others, unless these have small pictures and little width.
-# --nao-tallest is the largest height of a picture, so that pictures and controls are on a laptop's screen together.
+# --nao-tallest is the largest height of a picture, so that pictures and controls are on a laptop's screen together:
+# --nao-most, or less in a low window, such as on an enlarged page, of which --nao-rest are for everything else.
 _CSS = """
 .nao-laid-out { container-type: inline-size; width: 100%; max-width: 1240px; overflow: visible; }
 .nao-laid-out .nao-body { display: grid; grid-template-columns: minmax(0, 1fr); gap: 6px 16px; align-items: start;
-  overflow: visible; margin: 0; width: 100%; --nao-tallest: 400px; }
-.nao-beside .nao-body { --nao-tallest: 440px; }
+  overflow: visible; margin: 0; width: 100%; --nao-most: 400px;
+  --nao-rest: 330px; --nao-tallest: min(var(--nao-most), max(240px, var(--nao-screen, 100vh) - var(--nao-rest))); }
+.nao-beside .nao-body { --nao-most: 440px; --nao-rest: 290px; }
 .nao-laid-out .nao-main { overflow: visible; min-width: 0; }
 .nao-laid-out .nao-side { gap: 6px 16px; flex-wrap: wrap; align-items: flex-start; overflow: visible; margin: 0; }
 .nao-laid-out .nao-side > * { flex: 1 1 300px; max-width: 100%; margin: 0; overflow: visible; }
@@ -32,7 +34,8 @@ _CSS = """
 }
 """ + "".join(
     f"""@container (min-width: {width}px) {{
-  {panel} .nao-body {{ --nao-tallest: 510px; grid-template-columns: minmax(0, max-content) minmax(330px, 1fr); }}
+  {panel} .nao-body {{ --nao-most: 510px; --nao-rest: 150px;
+    grid-template-columns: minmax(0, max-content) minmax(330px, 1fr); }}
   {panel} .nao-side {{ flex-flow: column; align-items: stretch; }}
   {panel} .nao-side > * {{ flex: 0 0 auto; }}
 }}

@@ -41,24 +41,12 @@ COMMON_CSS = """
   background: var(--jp-layout-color1, white); color: var(--jp-ui-font-color1, black); caret-color: transparent; }
 .nao-panel .nao-keys:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
 .nao-panel :focus-visible { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 1px; }
-.nao-panel.jupyter-widgets-disconnected::before,
-.nao-panel .jupyter-widgets-disconnected.jupyter-widgets-disconnected::before { content: none !important; }
-.nao-panel.jupyter-widgets-disconnected > * { opacity: 0.3; filter: grayscale(1); pointer-events: none; }
-.nao-panel::after { position: absolute; z-index: 9; left: 5%; right: 5%; top: 50%; translate: 0 -50%;
-  padding: 10px 14px; border-radius: 6px; border-left: 4px solid #c84b00; line-height: 20px; font-size: 14px;
-  white-space: normal; color: var(--jp-ui-font-color1, black); background: var(--jp-layout-color1, white);
-  box-shadow: 0 1px 8px #0006; }
-.nao-panel.jupyter-widgets-disconnected::after { content: "The kernel was restarted, so this panel no longer works. \
-In the menu Run, choose Run All Above Selected Cell; then run this panel's cell again."; }
-.jp-NotebookPanel:has(.jp-Notebook-ExecutionIndicator:is([data-status=connecting], [data-status=disconnected]))
-  .nao-panel:not(.jupyter-widgets-disconnected)::after { animation: nao-later 3s; content: "The connection to the \
-kernel is lost. Wait a moment: the panel goes on by itself. If it does not, reload this page and run its cell again."; }
-@keyframes nao-later { 0%, 99% { opacity: 0; } }
 """
 
 
 # ipywidgets gives a slider's handles no accessible name, and noUiSlider rounds the value that it reports to one digit.
-# A page that forbids such handlers still shows the label beside the slider and the status line below.
+# A page that forbids such handlers still shows the label beside the slider and the status line below. Space does
+# nothing at a slider or on a picture, where it would scroll the page.
 _SLIDER_NAMES = """const panel = this.closest('.nao-panel');
 if (!panel || panel.naoNames) return;
 const put = (each, key, words) => { if (each.getAttribute(key) !== words) each.setAttribute(key, words); };
@@ -72,6 +60,9 @@ const name = () => panel.querySelectorAll('.widget-slider').forEach(slider => {
   });
   const typed = slider.querySelector('.widget-readout');
   if (typed) { put(typed, 'role', 'textbox'); put(typed, 'aria-label', words + ', typed'); }
+});
+panel.addEventListener('keydown', event => {
+  if (event.key === ' ' && event.target.matches('[role=slider], [role=application]')) event.preventDefault();
 });
 panel.naoNames = new MutationObserver(name);
 panel.naoNames.observe(panel, {subtree: true, childList: true, attributes: true,
@@ -266,7 +257,7 @@ def jpeg(pixels: npt.NDArray[np.uint8], quality: int = JPEG_QUALITY) -> bytes:
 
 
 def png(pixels: npt.NDArray[np.uint8]) -> bytes:
-    """Encode a picture (H, W, 3) as a PNG file, which keeps the colour of each pixel.
+    """Encode a picture (H, W, 3), or (H, W, 4) with opacity, as a PNG file, which keeps the colour of each pixel.
 
     Drawn pictures have long runs of one colour, and run-length encoding takes half the time of other compression.
     """
@@ -274,7 +265,8 @@ def png(pixels: npt.NDArray[np.uint8]) -> bytes:
 
 
 def _encoded(suffix: str, pixels: npt.NDArray[np.uint8], options: list[int]) -> bytes:
-    done, data = cv2.imencode(suffix, cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR), options)
+    swap = cv2.COLOR_RGB2BGR if pixels.shape[2] == 3 else cv2.COLOR_RGBA2BGRA
+    done, data = cv2.imencode(suffix, cv2.cvtColor(pixels, swap), options)
     if not done:
         raise ValueError(f"OpenCV could not write a {suffix} of shape {pixels.shape}")
     return bytes(data)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -97,7 +98,7 @@ class Shown:
         )
 
     @course_style()
-    def drawing(self, words: str, marks: Mapping[str, tuple[int, int]]) -> Drawing:
+    def drawing(self, words: str, marks: Mapping[str, tuple[float, ...]]) -> Drawing:
         """Return the pictures side by side as one figure, or a single figure, with marks at pixels (u, v) by title.
 
         `words` is the text alternative, and stands in the figure where there is no picture.
@@ -113,7 +114,7 @@ class Shown:
         figure = Figure(figsize=(9.6, min(9.6 / sum(ratios), 6.0) + around))
         axes = figure.subplots(1, len(shapes), width_ratios=ratios, squeeze=False)[0]
         for ax, (title, pixels) in zip(axes, self.pictures.items(), strict=False):
-            plot_picture(pixels, ax, ticks=False)
+            plot_picture(on_white(pixels), ax, ticks=False)
             if title in self.drawings and not self.drawings[title].photo:
                 ax.images[0].set_gid(NO_PHOTO)
             ax.set_title(title.strip(), fontsize=11)
@@ -149,14 +150,14 @@ def is_picture(shown: Any) -> bool:
 def as_picture(shown: Any) -> Pixels:
     """Return a picture or a figure as RGB pixels (H, W, 3); refuse anything else with a TypeError or ValueError.
 
-    Arrays are RGB (H, W, 3) or grey (H, W) of uint8, or bool (H, W).
+    Arrays are RGB (H, W, 3) or grey (H, W) of uint8, or bool (H, W); a fourth channel is the opacity.
     """
     if isinstance(shown, Drawing):
         return _rendered(shown)
     array = shown.pixels if isinstance(shown, Picture) else np.asarray(shown)
     if array.dtype == bool:
         array = np.where(array, 255, 0).astype(np.uint8)
-    if array.dtype != np.uint8 or not array.size or not (array.ndim == 2 or array.shape[2:] == (3,)):
+    if array.dtype != np.uint8 or not array.size or not (array.ndim == 2 or array.shape[2:] in ((3,), (4,))):
         raise ValueError(
             "a picture must be uint8 of shape (H, W, 3) or (H, W), or bool of shape (H, W); "
             f"got {array.dtype} {array.shape}"
@@ -164,17 +165,26 @@ def as_picture(shown: Any) -> Pixels:
     return array if array.ndim == 3 else np.repeat(array[..., None], 3, axis=2)
 
 
+def on_white(pixels: Pixels) -> Pixels:
+    """Return a picture (H, W, 3), or one with opacity (H, W, 4) as on white paper, in RGB."""
+    if pixels.shape[2] == 3:
+        return pixels
+    opacity = pixels[..., 3:] / 255
+    return np.round(pixels[..., :3] * opacity + 255 * (1 - opacity)).astype(np.uint8)
+
+
 @course_style()
 def _rendered(drawing: Drawing) -> Pixels:
     canvas: Any = FigureCanvasAgg(drawing.figure)
     canvas.draw()
-    return np.array(canvas.buffer_rgba())[:, :, :3]
+    opaque = to_rgba(drawing.figure.get_facecolor())[3] > 0
+    return np.array(canvas.buffer_rgba())[:, :, : 3 if opaque else 4]
 
 
 def encoded(pixels: Pixels, is_figure: bool) -> tuple[str, bytes]:
     """Return a picture as ("png" or "jpeg", bytes): figures and painted pictures as PNG, photographs as JPEG."""
     sample = pixels[:: 1 + pixels.shape[0] // 48, :: 1 + pixels.shape[1] // 48].astype(np.int32)
-    colours = np.unique(sample @ (65536, 256, 1))
-    if is_figure or len(colours) <= FEW_COLOURS:
+    colours = np.unique(sample[..., :3] @ (65536, 256, 1))
+    if is_figure or pixels.shape[2] == 4 or len(colours) <= FEW_COLOURS:
         return "png", png(pixels)
     return "jpeg", jpeg(pixels)

@@ -37,6 +37,12 @@ FIGURE = """def show(values, student):
     yield f"The robot stands at x = {values.x} m."
 panel = FunctionPanel("Place", show, [Slider("x", "Place x", 0, 3, 0.05, 1, unit="m")])
 panel"""
+SLOW = """import time
+def show(values, student):
+    time.sleep(2.0 * values.slow)
+    return f"It took {2 * values.slow} s."
+panel = FunctionPanel("Slow", show, [Slider("slow", "Slow", 0, 1, 1, 0)])
+panel"""
 _WATCH = """() => {
   window.naoLoads = [];
   const images = document.querySelectorAll('.nao-function img');
@@ -159,3 +165,20 @@ def test_a_dragged_slider_brings_pictures_as_fast_as_they_come_and_ends_at_the_n
     value = panel.root.locator(".nao-slider-x .widget-readout").inner_text()
     assert len(loads) > 1
     panel.expect(f"x = {float(value)} m")
+
+
+def test_a_slow_panel_says_that_it_computes_and_space_at_a_slider_does_not_scroll_the_page(lab, page):
+    page.set_viewport_size({"width": 1280, "height": 500})
+    root = panel_of(lab, page, "slow.ipynb", STUDENT, SLOW, *["1 + 1"] * 12)
+    said = "() => getComputedStyle(document.querySelector('.nao-function .nao-status'), '::after').content"
+    assert page.evaluate(said) == "none"
+    root.locator("[role=slider]").focus()
+    page.wait_for_timeout(500)
+    before = page.locator(".jp-WindowedPanel-outer").evaluate("each => each.scrollTop")
+    page.keyboard.press(" ")
+    page.wait_for_timeout(700)
+    assert page.locator(".jp-WindowedPanel-outer").evaluate("each => each.scrollTop") == before
+    page.keyboard.press("ArrowRight")
+    wait_for(lambda: "Computing" in page.evaluate(said), "a word that the panel computes")
+    expect(root, "It took 2 s.")
+    wait_for(lambda: page.evaluate(said) == "none", "end of the word")

@@ -132,6 +132,14 @@ def test_a_folded_cell_shows_that_it_runs(lab, page):
     wait_for(lambda: page.evaluate(_MARKS) == nothing, "end of the cell")
 
 
+def test_a_long_folded_line_ends_within_the_page(lab, page):
+    page.set_viewport_size({"width": 1280, "height": 700})
+    open_folded(lab, page, "long.ipynb", f"'{TEXT[:300]}'")
+    page.locator(".jp-InputPlaceholder").wait_for()
+    sticking_out = "each => each.scrollWidth - each.clientWidth"
+    assert page.locator(".jp-WindowedPanel-outer").evaluate(sticking_out) <= 1
+
+
 def test_a_folded_cell_opens_by_a_click_and_by_enter(lab, page):
     open_folded(lab, page, "opens.ipynb", "1 + 1", "2 + 2")
     bars = page.locator(".jp-InputPlaceholder")

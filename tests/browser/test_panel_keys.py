@@ -13,8 +13,9 @@ from nao_course.slam import DeadReckoning
 from nao_course.widgets import ControlPanel
 nao = SimulatedNao(rng=4)
 ControlPanel(nao, truth=Truth(nao), slam=DeadReckoning())"""
+SHEET = "from nao_course.lessons.ekf_derivations import motion_sheet\nmotion_sheet()"
 KINDS = ("HeadPanel", "FilterPanel", "RealityDial", "PhoneLab", "LapPanel", "FilmPanel", "RelaxPanel")
-KINDS += ("AssociationPanel", "ExplorePanel", "ControlPanel")
+KINDS += ("AssociationPanel", "ExplorePanel", "ControlPanel", "motion_sheet")
 KEYS = [*string.ascii_lowercase, *string.digits, "+", "-", "Shift+M", "Space", "Enter", "Backspace", "Delete"]
 KEYS += ["Home", "End", "PageUp", "PageDown", "ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "Escape"]
 # Of these JupyterLab's own are tried at every place, and the others at a panel's first place.
@@ -31,7 +32,7 @@ def notebook(lab, context):
     """Return a page with one panel of each kind, in the cells after the first."""
     lessons = panels_by_kind()
     made = [f"panel_of{lessons[kind]!r}" for kind in KINDS if kind in lessons]
-    lab.write("keys.ipynb", IMPORT, *made, CONTROL)
+    lab.write("keys.ipynb", IMPORT, *made, CONTROL, SHEET)
     page = context.new_page()
     lab.open(page, "keys.ipynb")
     lab.run_all(page, 300)
@@ -47,7 +48,7 @@ def test_no_key_in_a_panel_changes_the_notebook(notebook, kind):
     notebook.evaluate(
         "cell => window.jupyterapp.shell.currentWidget.content.scrollToItem(cell, 'start')", cell
     )
-    panel = notebook.locator(f'.jp-Cell[data-windowed-list-index="{cell}"] .nao-panel').first
+    panel = notebook.locator(f'.jp-Cell[data-windowed-list-index="{cell}"] :is(.nao-panel, .nao-sheet)').first
     panel.wait_for(timeout=240_000)
     places = [place for place in PLACES if panel.locator(place).count()]
     assert places

@@ -226,6 +226,11 @@ def test_a_pixel_is_marked_over_its_picture_and_a_legend_says_what_colours_mean(
     panel.set(pixel=(31, 23))
     assert "left: 98.438%; top: 97.917%" in panel._pads["pixel"][1].value
     assert panel.drawing().image() != before
+    large = FunctionPanel("Large", lambda values, student: NOISE, [Pixel("pixel", "Pixel", (4, 3), (1, 2))])
+    (ax,) = large.drawing().figure.axes
+    height, width = NOISE.shape[:2]
+    marked = [value[0] for value in ax.lines[-1].get_data()]
+    assert marked == pytest.approx([1.5 * width / 4 - 0.5, 2.5 * height / 3 - 0.5])
     panel = FunctionPanel("Two", lambda values, student: iter([NOISE, Legend({"a < b": "#ff0000"})]), [LEVEL])
     assert "a &lt; b" in panel._legend.value and "#ff0000" in panel._legend.value
     assert "a < b" in [text.get_text() for text in panel.drawing().figure.legends[0].get_texts()]

@@ -42,6 +42,8 @@ class SettingPanel(FunctionPanel):
         If there are fewer scenes than are shown.
     """
 
+    css = ".nao-laid-out.nao-settings .nao-body { --nao-most: 360px; }"
+
     def __init__(
         self,
         scenes: Sequence[CornerScene],
@@ -74,7 +76,7 @@ class SettingPanel(FunctionPanel):
                     "length", "Least length", 15, 80, 5, 40, unit="px", tooltip="Shortest length of a segment"
                 ),
                 Action("paper", "The paper's best", sets={"beta": 120, "gap": 5, "length": 40}),
-                Action("fresh", "Thirty new pictures (15 s)", tooltip="Other rooms; Reset brings yours back"),
+                Action("fresh", "Thirty new pictures", tooltip="Other rooms; Reset brings yours back"),
             ],
             student={"grid_search": grid_search, "bootstrap_interval": bootstrap_interval, "find": find},
             small=(COSTS,),
@@ -85,6 +87,7 @@ class SettingPanel(FunctionPanel):
                 "find": "Finish lessons 01 and 03 to see the corners.",
             },
         )
+        self.widget.add_class("nao-settings")
 
     def _try(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the costs of all pictures, then the interval, then the pictures that cost most."""
@@ -94,7 +97,7 @@ class SettingPanel(FunctionPanel):
         table = as_table(student.grid_search(scenes, *([each] for each in setting)))
         costs = next(iter(table.values()))
         yield {COSTS: _draw_costs(costs, nothing)}
-        yield Legend({"true corner (cross)": TRUE, "corner found": FOUND})
+        yield Legend({"true corner (cross)": TRUE, "corner found (ring)": FOUND})
         low, high = interval_of(student.bootstrap_interval, costs)
         better, worse = interval_of(student.bootstrap_interval, costs - nothing)
         for i in np.argsort(-costs, kind="stable")[:WORST]:
@@ -114,7 +117,7 @@ class SettingPanel(FunctionPanel):
 def _draw_costs(costs: FloatArray, nothing: FloatArray) -> Drawing:
     """Draw the sorted costs of all pictures beside the cost of reporting nothing."""
     order = np.argsort(costs, kind="stable")
-    figure = Figure(figsize=(4.6, 3.4))
+    figure = Figure(figsize=(3.8, 2.8))
     ax = figure.add_subplot()
     ax.bar(range(len(costs)), costs[order], color=OURS, width=0.8, label="this setting")
     ax.plot(range(len(costs)), nothing[order], "_", color=NOTHING, ms=8, mew=2, label="nothing")

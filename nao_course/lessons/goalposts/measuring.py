@@ -55,8 +55,11 @@ class FootMatch(PointMatch):
 
     def __str__(self) -> str:
         """Return the counts in words."""
-        feet = f"{self.hits} of {len(self.found)} feet found" if len(self.found) else "no foot to find"
-        return f"{feet}, {self.false} false"
+        many = len(self.found)
+        found = (
+            f"{self.hits} of {many} {'foot' if many == 1 else 'feet'} found" if many else "no foot to find"
+        )
+        return f"{found}, {self.false} false"
 
 
 def match_feet(points: npt.ArrayLike, feet: Feet, reach: float = REACH) -> FootMatch:

@@ -136,8 +136,8 @@ class PostPanel(FunctionPanel):
         counts = f"{say_count(len(candidates), 'candidate')} in {say_count(len(feet), 'cluster')}"
         asks_too_much = values.min_green > values.look_down
         more = (
-            f" No column can pass, because {values.min_green} green pixels are required and only "
-            f"{values.look_down} pixels are tested."
+            f" No column can pass: of the {say_count(values.look_down, 'pixel')} below the foot, "
+            f"{values.min_green} would have to be green."
             if asks_too_much
             else ""
         )

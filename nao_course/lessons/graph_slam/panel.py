@@ -62,6 +62,12 @@ class GraphPanel(PlayerPanel):
         """Add the first constraint and build the widgets."""
         self._drive = field_drive()
         self._map = GraphMap(self._drive)
+        # What is shown until there are results, so that no control changes its place
+        size = self._drive.size
+        self._nothing = {
+            "Your Omega": paint_matrix(np.zeros((size, size)), len(self._drive.path)),
+            "Your map": self._map.draw((), np.full((size, 2), np.nan)),
+        }
         every = len(self._drive.constraints)
         super().__init__(
             "Graph panel",
@@ -125,6 +131,7 @@ class GraphPanel(PlayerPanel):
     def _grow(self, values: Any, student: Any) -> Iterator[Any]:
         """Show the matrix, and then the map."""
         drive, used = self._drive, self._arrived(values)
+        yield self._nothing
         if not used:
             yield "No constraint has arrived."
             return

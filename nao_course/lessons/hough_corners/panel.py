@@ -107,7 +107,7 @@ class CornerPanel(FunctionPanel):
         match = picture.match(corners)
         yield (
             f"{say_count(len(segments), 'segment')}, {say_count(len(corners), 'corner')}: {match.hits} of "
-            f"{len(match.found)} true corners found, {match.false} false, cost {corner_cost(match):.2f}."
+            f"{say_count(len(match.found), 'true corner')} found, {match.false} false, cost {corner_cost(match):.2f}."
         )
 
 

@@ -1,4 +1,7 @@
-"""The filter panel's histogram of lightness and circle of hues, painted as arrays because figures are too slow."""
+"""The filter panel's histogram of lightness and circle of hues, painted as arrays because figures are too slow.
+
+Their paper is transparent and their writing grey, so that they are readable on a light page and on a dark one.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import hsv_to_rgb, to_rgb
+from matplotlib.colors import hsv_to_rgb, to_rgba
 from matplotlib.figure import Figure
 
 from nao_course.lessons.hsl_filtering.light import BINS, MARKS, SPANS
-from nao_course.plotting.style import LABEL_COLOURS, course_style
+from nao_course.plotting.style import INK, LABEL_COLOURS, course_style
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -24,12 +27,12 @@ CENTRE, INNER, OUTER = (WIDTH // 2, HEIGHT // 2), 36, 100  # of the circle's bar
 PIXEL = "#c84b00"  # the chosen pixel, on picture and circle
 WEDGE = 3  # degrees of a bar on the circle
 _STACKED = (1, 0, 2, 3)  # labels from the bottom of the histogram to its top
-_BAR_COLOURS = np.array([to_rgb(LABEL_COLOURS[k]) for k in _STACKED] + [(1.0, 1.0, 1.0)]) * 255
+_BAR_COLOURS = np.array([to_rgba(LABEL_COLOURS[k]) for k in _STACKED] + [(1.0, 1.0, 1.0, 0.0)]) * 255
 _BAR_COLOURS = np.round(_BAR_COLOURS).astype(np.uint8)
 
 
 def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> Pixels:
-    """Paint a histogram (HEIGHT, WIDTH, 3) of the `lightness_counts` (4, BINS), with marks named as in `MARKS`."""
+    """Paint a histogram (HEIGHT, WIDTH, 4) of the `lightness_counts` (4, BINS), with marks named as in `MARKS`."""
     picture = _histogram_paper().copy()
     stacked = np.cumsum(counts[list(_STACKED)], axis=0)
     # The brightest bin may be far higher: it is cut off
@@ -42,11 +45,11 @@ def histogram_picture(counts: npt.NDArray[Any], marks: Mapping[str, float]) -> P
     picture[TOP:BOTTOM, LEFT:RIGHT] = np.take(_BAR_COLOURS, bars, axis=0)[:, columns]
     tops = (BOTTOM - np.round(heights[-1, columns] * (BOTTOM - TOP))).astype(np.int32)
     outline = np.column_stack((np.arange(LEFT, RIGHT, dtype=np.int32), tops))
-    cv2.polylines(picture, [outline], False, (51, 51, 51), 1)
+    cv2.polylines(picture, [outline], False, _rgba(INK), 1)
     for name, at in marks.items():
         u = round(LEFT + (RIGHT - LEFT) * min(max(at, 0.0), 255.0) / 256)
         low, high = (round(BOTTOM - (BOTTOM - TOP) * end) for end in SPANS[name])
-        cv2.line(picture, (u, low), (u, high), _rgb(MARKS[name][0]), 3)
+        cv2.line(picture, (u, low), (u, high), _rgba(MARKS[name][0]), 3)
     return picture
 
 
@@ -62,7 +65,7 @@ def circle_picture(
     pixel: float | None = None,
     added: Iterable[float] = (),
 ) -> Pixels:
-    """Paint `hue_counts` (360 / WEDGE,) and intervals of hues on a circle, (HEIGHT, WIDTH, 3).
+    """Paint `hue_counts` (360 / WEDGE,) and intervals of hues on a circle, (HEIGHT, WIDTH, 4).
 
     `arcs` maps colours such as "#f2c413" to limits in degrees, of which low > high goes through 0; `pixel` is the hue
     of the chosen pixel, and `added` are the hues that were added to an example.
@@ -78,25 +81,24 @@ def circle_picture(
     for number, (colour, (low, high)) in enumerate(arcs.items()):
         angles = np.linspace(low, low + (high - low) % 360, 90)
         line = [_places(angles, OUTER + 7.0 + 9 * number)]
-        cv2.polylines(picture, line, False, (51, 51, 51), 8, cv2.LINE_AA)
-        cv2.polylines(picture, line, False, _rgb(colour), 5, cv2.LINE_AA)
+        cv2.polylines(picture, line, False, _rgba(INK), 8, cv2.LINE_AA)
+        cv2.polylines(picture, line, False, _rgba(colour), 5, cv2.LINE_AA)
     for hue in added:
-        cv2.circle(picture, _place(hue, OUTER + 11.0), 4, _rgb(PIXEL), -1, cv2.LINE_AA)
+        cv2.circle(picture, _place(hue, OUTER + 11.0), 4, _rgba(PIXEL), -1, cv2.LINE_AA)
     if pixel is not None:
-        cv2.line(picture, CENTRE, _place(pixel, OUTER + 23.0), (255, 255, 255), 5, cv2.LINE_AA)
-        cv2.line(picture, CENTRE, _place(pixel, OUTER + 23.0), _rgb(PIXEL), 2, cv2.LINE_AA)
+        cv2.line(picture, CENTRE, _place(pixel, OUTER + 23.0), _rgba("white"), 5, cv2.LINE_AA)
+        cv2.line(picture, CENTRE, _place(pixel, OUTER + 23.0), _rgba(PIXEL), 2, cv2.LINE_AA)
     return picture
 
 
-def _rgb(colour: str) -> tuple[int, int, int]:
-    red, green, blue = (round(255 * part) for part in to_rgb(colour))
-    return red, green, blue
+def _rgba(colour: Any) -> tuple[int, int, int, int]:
+    red, green, blue, alpha = (round(255 * part) for part in to_rgba(colour))
+    return red, green, blue, alpha
 
 
 @cache
-def _hue_colour(hue: float) -> tuple[int, int, int]:
-    red, green, blue = np.round(255 * hsv_to_rgb([hue / 360, 0.75, 0.8])).astype(int).tolist()
-    return red, green, blue
+def _hue_colour(hue: float) -> tuple[int, int, int, int]:
+    return _rgba(hsv_to_rgb([hue / 360, 0.75, 0.8]))
 
 
 def _places(hues: npt.ArrayLike, radii: npt.ArrayLike) -> npt.NDArray[np.int32]:
@@ -115,13 +117,15 @@ def _place(hue: float, radius: float) -> tuple[int, int]:
 @course_style()
 def _histogram_paper() -> Pixels:
     """Return the background of each histogram, which is its axis."""
-    figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, facecolor="none")
     figure.set_layout_engine("none")
     ax = figure.add_axes((LEFT / WIDTH, 1 - BOTTOM / HEIGHT, (RIGHT - LEFT) / WIDTH, (BOTTOM - TOP) / HEIGHT))
     ax.set(xlim=(0, 256), xticks=(0, 50, 100, 150, 200, 250), yticks=())
-    ax.set_xlabel("lightness", fontsize=15, labelpad=1)
-    ax.tick_params(labelsize=15, pad=2)
+    ax.set_xlabel("lightness", fontsize=15, labelpad=1, color=INK)
+    ax.tick_params(labelsize=15, pad=2, colors=INK)
     ax.spines["left"].set_visible(False)
+    ax.spines["bottom"].set_color(INK)
+    ax.patch.set_visible(False)
     return _painted(figure)
 
 
@@ -129,12 +133,12 @@ def _histogram_paper() -> Pixels:
 @course_style()
 def _circle_paper() -> Pixels:
     """Return the background of each circle: the pure colours and their angles."""
-    figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, facecolor="none")
     figure.set_layout_engine("none")
     for degrees in range(0, 360, 60):
         u, v = _place(degrees, OUTER + 34.0)
         side = {0: "left", 180: "right"}.get(degrees, "center")
-        figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=15, ha=side, va="center")
+        figure.text(u / WIDTH, 1 - v / HEIGHT, f"{degrees}°", fontsize=15, color=INK, ha=side, va="center")
     paper = _painted(figure)
     for degrees in range(0, 360, 2):
         line = [_places([degrees, degrees + 2], INNER - 7.0)]
@@ -145,4 +149,4 @@ def _circle_paper() -> Pixels:
 def _painted(figure: Figure) -> Pixels:
     canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()
-    return np.array(canvas.buffer_rgba())[:, :, :3].copy()
+    return np.array(canvas.buffer_rgba())

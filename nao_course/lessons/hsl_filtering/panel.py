@@ -28,6 +28,7 @@ from nao_course.sim import LABELS
 from nao_course.widgets import Action, Choice, FunctionPanel, Legend, Pixel
 from nao_course.widgets.attempts import TIME_LIMIT, StudentCode, attempt
 from nao_course.widgets.inputs import Values
+from nao_course.widgets.shown import on_white
 
 Pixels = npt.NDArray[np.uint8]
 Label = Callable[[Pixels, Limits, Limits, float, float], Any]
@@ -45,7 +46,7 @@ _CSS = """
 .nao-filter .nao-hue .noUi-connects { background: linear-gradient(to right, hsl(0 85% 55%), hsl(60 85% 50%),
   hsl(120 85% 42%), hsl(180 85% 45%), hsl(240 85% 60%), hsl(300 85% 55%), hsl(359 85% 55%)); }
 .nao-filter .nao-hue .noUi-connect { background: none; }
-.nao-laid-out.nao-filter .nao-body { --nao-tallest: 345px; }
+.nao-laid-out.nao-filter .nao-body { --nao-most: 335px; }
 """
 
 
@@ -263,7 +264,7 @@ class FilterPanel(FunctionPanel):
         texts = [f"{name}: {scores[name]}" if name in scores else name for name in LABELS]
         figure = Figure(figsize=(6.4, 5.9))
         for ax, (title, pixels) in zip(figure.subplots(2, 2).flat, self.shown.pictures.items(), strict=False):
-            plot_picture(pixels, ax, ticks=False)
+            plot_picture(on_white(pixels), ax, ticks=False)
             ax.set_title(title, fontsize=11)
             if title == SCENE:
                 ax.plot(*self.values.pixel, "o", ms=9, mew=2, mfc="none", mec="#c84b00")

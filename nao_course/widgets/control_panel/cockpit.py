@@ -217,7 +217,8 @@ class Cockpit:
     def names(self, source: str, pipeline_estimates: bool) -> dict[str, str]:
         """Return the legend's name of each path on the map, by its source."""
         names = {"truth": "truth"} if self.truth is not None else {}
-        names["odometry"] = "odometry"
+        if type(self.slam) is not DeadReckoning:  # whose path is the odometry's
+            names["odometry"] = "odometry"
         if self.slam is not None:
             name = self._slam_name
             names[source] = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"

@@ -29,7 +29,7 @@ Pixels = npt.NDArray[np.uint8]
 View = Literal["picture", "over", "beside"]
 
 VIEWS: Mapping[View, str] = MappingProxyType(
-    {"picture": "Your view: off", "over": "Your view: overlay", "beside": "Your view: inset"}
+    {"picture": "View: off", "over": "View: overlay", "beside": "View: inset"}
 )
 PICTURE_LIMIT = (
     3.0  # s for one stage and one picture: about a hundred times as long as the labels of lesson 01

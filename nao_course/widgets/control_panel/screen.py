@@ -23,7 +23,7 @@ from nao_course.widgets.vector_map import MapContents, VectorMap
 from nao_course.widgets.world import WorldView
 
 WORLD_SIZE = (480, 340)  # px
-WORLD_HINT = "Drag to turn; the wheel zooms with Shift, or from a click until Escape."  # keys drive the robot
+WORLD_HINT = "Drag to turn, Shift and the wheel zoom."  # short, for a narrow panel; keys drive the robot
 
 
 class Screen:
@@ -214,7 +214,8 @@ class Screen:
         paths: dict[str, Any] = {}
         if self._with_truth and cockpit.truth is not None:
             paths["truth"] = cockpit.truth.path
-        paths["odometry"] = cockpit.odometry
+        if "odometry" in self._names:
+            paths["odometry"] = cockpit.odometry
         estimate = self.estimate()
         if cockpit.slam is not None:
             paths[self._source] = cockpit.estimated

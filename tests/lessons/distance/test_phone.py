@@ -182,10 +182,13 @@ def test_a_clicked_corner_gets_a_ring_in_the_photo_and_one_on_the_paper():
 
 def test_without_the_letters_height_and_pitch_are_the_sliders_and_a_landmark_without_ground_is_said():
     panel = lab()
+    assert panel.shown.pictures["The paper"][0, 0, 3] == 0  # a dark page is seen around the paper
+    (table,) = panel.shown.tables.values()
+    assert [row[0] for row in table.rows] == [f"({u:.0f}, {v:.0f})" for u, v in true_pixels()]
     assert "Click the corner A" in panel.summary() and "phone" not in panel.shown.drawings["The paper"].alt
-    near = np.array(rows(panel, 0))
+    near = np.array(rows(panel, 1))
     panel.set(height=66.0)
-    assert rows(panel, 0) == pytest.approx(2 * near, abs=0.2)
+    assert rows(panel, 1) == pytest.approx(2 * near, abs=0.2)
     nothing = lab(find=lambda pixels: np.zeros((0, 2)))
     assert "no post" in nothing.summary() and not nothing.shown.tables
     sky = np.vstack([true_pixels(), [[160.0, 5.0]]])

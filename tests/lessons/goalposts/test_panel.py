@@ -37,11 +37,13 @@ def test_every_slider_reaches_its_function_and_what_was_found_in_the_chosen_scen
     shown.set(min_green=3, look_down=7, min_height=0.25, max_distance=31)
     assert got[-2:] == [(3, 7, 0.25), 31]
     shown = panel()
-    assert "2 candidates in 1 cluster: 1 of 1 feet found, 0 false." in shown.summary()
+    assert "2 candidates in 1 cluster: 1 of 1 foot found, 0 false." in shown.summary()
     shown.set(scene="b")
-    assert "0 of 1 feet found, 1 false." in shown.summary()
+    assert "0 of 1 foot found, 1 false." in shown.summary()
     shown.set(min_green=20, look_down=10)
-    assert "No column can pass, because 20 green pixels are required and only 10" in shown.summary()
+    assert (
+        "No column can pass: of the 10 pixels below the foot, 20 would have to be green." in shown.summary()
+    )
 
 
 def test_the_true_foot_is_shown_once_feet_are_found_and_marks_lie_at_their_pixels_on_a_copy():

@@ -76,9 +76,12 @@ def test_the_error_of_solve_without_a_start_is_shown_and_an_omega_with_nan_is_re
 
     shown = panel(solve=refuse)
     assert "There is no map. Your solve says: nothing holds 0, 1" in shown.summary()
-    assert "Your Omega" in shown.shown.pictures
+    both = {title: pixels.shape for title, pixels in panel().shown.pictures.items()}
+    assert {title: pixels.shape for title, pixels in shown.shown.pictures.items()} == both
     shown.set(held=False, count=1)
     assert "No constraint has arrived." in shown.summary()
+    # A panel without its map would lay its controls out in other places
+    assert {title: pixels.shape for title, pixels in shown.shown.pictures.items()} == both
     spoilt = panel(add_relative_motion=lambda omega, xi, *given: (omega * np.nan, xi))
     assert "contains NaN or infinity: check exercises 8.1 to 8.3" in spoilt.summary()
 

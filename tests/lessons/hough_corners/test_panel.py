@@ -50,9 +50,9 @@ def test_it_says_what_was_found_and_what_it_costs_and_draws_segments_and_rings_o
     rows, columns = np.nonzero(rings.any(axis=2))
     assert rows.max() <= 2 * (6 + 10) and columns.max() <= 2 * (5 + 10) and len(rows) > 80
     shown = panel()
-    assert "2 segments, 1 corner: 1 of 1 true corners found, 0 false, cost -1.33." in shown.summary()
+    assert "2 segments, 1 corner: 1 of 1 true corner found, 0 false, cost -1.33." in shown.summary()
     shown.set(picture="b")
-    assert "0 of 1 true corners found, 1 false, cost 6.00." in shown.summary()
+    assert "0 of 1 true corner found, 1 false, cost 6.00." in shown.summary()
     shown = picture((20, 30)).pixels
     found = mark_found(shown, np.zeros((0, 4)), [(40, 20)])
     plain = enlarged(shown, 2)

@@ -14,6 +14,7 @@ from nao_course.lessons.hsl_filtering import panel as panel_module
 from nao_course.lessons.hsl_filtering.light import BINS, MARKS
 from nao_course.lessons.hsl_filtering.scores import ERROR_COLOURS
 from nao_course.plotting import LABEL_COLOURS
+from nao_course.widgets.shown import on_white
 from tests.widgets.robots import decoded
 
 GREEN, YELLOW = (105.0, 150.0), (45.0, 60.0)
@@ -190,7 +191,10 @@ def test_a_histogram_stands_upright_over_its_lightnesses_and_a_hue_is_on_the_cir
         ((above, second), LABEL_COLOURS[0]),
         ((drawn.TOP + 2, (drawn.LEFT + drawn.RIGHT) // 2), MARKS["threshold"][0]),
     ):
-        assert tuple(picture[place]) == colour(wanted)
+        assert tuple(picture[place]) == (*colour(wanted), 255)
+    # The page is seen through the paper
+    assert picture[drawn.TOP + 2, drawn.LEFT + 2, 3] == picture[0, 0, 3] == 0
+    assert (on_white(picture)[drawn.TOP + 2, drawn.LEFT + 2] == 255).all()
     hue = np.full((3, 3), 91.0, dtype=np.float32)
     everywhere = np.ones((3, 3), dtype=bool)
     counts = drawn.hue_counts(hue, everywhere)
@@ -198,8 +202,8 @@ def test_a_histogram_stands_upright_over_its_lightnesses_and_a_hue_is_on_the_cir
     (u, v), blank = drawn.CENTRE, drawn.circle_picture(drawn.hue_counts(hue, ~everywhere), {})
     painted = (picture != blank).any(axis=2)
     assert painted[v - drawn.OUTER + 3, u - 2] and not painted[v + drawn.OUTER - 3, u]  # 90 degrees are up
-    assert painted[v, u - drawn.OUTER] and tuple(picture[v, u - drawn.OUTER]) == colour(drawn.PIXEL)
-    assert tuple(picture[v - 5, u + drawn.OUTER + 7]) == colour(LABEL_COLOURS[2])
+    assert painted[v, u - drawn.OUTER] and tuple(picture[v, u - drawn.OUTER, :3]) == colour(drawn.PIXEL)
+    assert tuple(picture[v - 5, u + drawn.OUTER + 7, :3]) == colour(LABEL_COLOURS[2])
     assert not painted[v + 60, u + drawn.OUTER // 2 + 30]
 
 

@@ -45,8 +45,8 @@ def test_the_ideal_detector_measures_what_the_picture_on_the_screen_shows():
 
 def test_an_algorithm_is_named_after_its_class_and_dead_reckoning_in_words():
     said = {type(slam): Cockpit(clean_nao(), slam=slam) for slam in (DeadReckoning(), Recorder())}
-    assert said[DeadReckoning].names("ekf", False)["ekf"] == "odometry alone"
-    assert said[Recorder].names("ekf", False)["ekf"] == "Recorder"
+    assert said[DeadReckoning].names("ekf", False) == {"ekf": "odometry alone"}  # one path, one name
+    assert said[Recorder].names("ekf", False) == {"odometry": "odometry", "ekf": "Recorder"}
     said[DeadReckoning].observe()
     assert (
         "DeadReckoning" not in said[DeadReckoning].summary()

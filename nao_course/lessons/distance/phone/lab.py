@@ -38,7 +38,7 @@ from nao_course.lessons.distance.phone.sheet import (
 from nao_course.plotting import STYLES, Drawing, course_style, plot_pose, table
 from nao_course.plotting.legends import legend_below
 from nao_course.plotting.marks import at_scale, rgb
-from nao_course.plotting.style import FOUND
+from nao_course.plotting.style import FOUND, INK
 from nao_course.sim import CameraView
 from nao_course.widgets import Action, FunctionPanel, Pixel, Slider
 
@@ -48,8 +48,8 @@ WHERE = {"A": "near, left", "B": "near, right", "C": "far, right", "D": "far, le
 # A browser hands files to the kernel in one message. JupyterLab's server takes 10 MB, and of more it says nothing:
 # `make lab` lets it take what is read here. Other servers may have limits of their own.
 UPLOADED = (
-    f"JPEG or PNG, at most {LARGEST_FILE / 1e6:.0f} MB. If a large one does not load, drag it into the list of "
-    'files on the left, and name it: <code>PhoneLab(..., photo="name.jpg")</code>'
+    f"JPEG or PNG, at most {LARGEST_FILE / 1e6:.0f} MB; or drag it into the list of files on the left and write "
+    '<code>PhoneLab(..., photo="name.jpg")</code>'
 )
 STAND_IN = "This is a simulated photo. Choose a photo of your own, or use this one."
 _CONTROLS = [
@@ -86,6 +86,8 @@ class PhoneLab(FunctionPanel):
         A photo's file beside the notebook. Without it the lab begins with the stand-in.
     """
 
+    css = ".nao-laid-out.nao-phone .nao-body { --nao-most: 355px; }"
+
     def __init__(
         self,
         find_landmarks: Callable[..., Any],
@@ -103,6 +105,7 @@ class PhoneLab(FunctionPanel):
             student={"find_landmarks": find_landmarks, "pixel_to_ground": pixel_to_ground},
             unfinished=_UNFINISHED,
         )
+        self.widget.add_class("nao-phone")
         self._add_upload()
         if photo is not None:
             self._open(Path(photo))
@@ -176,8 +179,11 @@ class PhoneLab(FunctionPanel):
             yield f"{above} of {len(marks)} landmarks are at or above the horizon: their points are NaN."
         ground = ground[shown]
         if pose is None:
-            rows = [(f"{100 * SCALE * away:.1f} cm", f"{bearing:+.0f}°") for away, bearing in _polar(ground)]
-            yield table(("from below the phone", "to the left"), rows)
+            rows = [
+                (f"({u:.0f}, {v:.0f})", f"{100 * SCALE * away:.1f} cm", f"{bearing:+.0f}°")
+                for (u, v), (away, bearing) in zip(marks[shown], _polar(ground), strict=True)
+            ]
+            yield table(("landmark (u, v)", "from below the phone", "to the left"), rows)
         else:
             yield {"The paper": _draw_paper(clicked, pose, pose.to_parent(ground))}
             yield _nearest(pose.to_parent(ground))
@@ -242,9 +248,14 @@ def _polar(points: FloatArray) -> list[tuple[float, float]]:
 
 @course_style()
 def _draw_paper(clicked: Collection[str], pose: Pose | None = None, points: npt.ArrayLike = ()) -> Drawing:
-    """Draw the paper as it lies, the letters that are clicked, and the points (N, 2) of a phone in the field frame."""
-    figure = Figure(figsize=(4.6, 4.4))
-    ax = figure.add_subplot()
+    """Draw the paper as it lies, the letters that are clicked, and the points (N, 2) of a phone in the field frame.
+
+    The paper has its true colours on every page, so what is around it is transparent.
+    """
+    figure = Figure(figsize=(4.6, 4.4), facecolor="none")
+    ax = figure.add_subplot(facecolor="none")
+    ax.tick_params(colors=INK)
+    ax.spines[:].set_color(INK)
     half, low = 50 * PAPER[0], -100 * BELOW
     lowest = low
     ax.imshow(_small_sheet(), extent=(-half, half, low, low + 100 * PAPER[1]))
@@ -279,7 +290,11 @@ def _draw_paper(clicked: Collection[str], pose: Pose | None = None, points: npt.
         places = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in marks)
         said += f" The phone is above ({phone[0]:.1f}, {phone[1]:.1f}) cm; landmarks: {places or 'none'}."
     ax.set(xlabel="to the right on the paper (cm)", ylabel="up on the paper (cm)", ylim=(lowest, None))
+    ax.xaxis.label.set_color(INK)
+    ax.yaxis.label.set_color(INK)
     legend_below(figure, keys)
+    for text in figure.legends[0].get_texts():
+        text.set_color(INK)
     return Drawing(figure, said, photo=True)
 
 
