@@ -21,7 +21,7 @@ Traces = Mapping[str, Sequence[FilterTrace]]
 
 
 def group_sheet() -> DerivationSheet:
-    """Return a sheet for the heading's columns of T and H T (equation 7.11), beside those of the robot's x.
+    """Return a sheet for the heading's columns of T and H T (equation 7.11), beside the columns of the robot's x.
 
     V of equation 7.10 stands in it to first order, which has the same derivatives at an error of 0.
 
