@@ -2,8 +2,14 @@
 
 from functools import partial
 
+import numpy as np
 import pytest
 
+from nao_course.films import script
+from nao_course.geometry import Pose
+from nao_course.sim import Field
+from nao_course.slam import Estimate
+from nao_course.widgets.vector_map import MapContents, VectorMap
 from tests.browser.lab import wait_for
 from tests.browser.notebook_page import run_notebook, screenshot
 
@@ -51,6 +57,14 @@ IN_THE_LENS = """below => {
   const canvas = document.querySelector('.nao-map-lens canvas'), ratio = devicePixelRatio || 1;
   return [...canvas.getContext('2d').getImageData(58 * ratio, (58 + below) * ratio, 1, 1).data].slice(0, 3);
 }"""
+# Shows a map, and counts how often it is drawn and how often its canvases get a size
+COUNT = """scene => {
+  const live = window.live = new NaoLive.LiveMap(document.body, scene), draw = live.map.draw;
+  window.drawn = window.sized = 0;
+  live.map.draw = function() { drawn += 1; draw.call(this); };
+  new MutationObserver(all => { sized += all.length; })
+    .observe(document.body, { subtree: true, attributeFilter: ["width"] });
+}"""
 
 
 def test_a_live_map_shows_what_python_sends_on_every_page(lab, page):
@@ -93,3 +107,33 @@ def test_the_lens_shows_the_axis_or_heading_that_is_too_small_and_an_arrow_the_r
     assert (
         page.evaluate(COLOUR, [0, 2000, 2600]) == [0x0B, 0x5F, 0xA5] != page.evaluate(COLOUR, [0, 2000, 2000])
     )
+
+
+def test_messages_of_one_frame_are_drawn_once_a_movement_30_times_a_second_and_no_canvas_gets_its_size_again(
+    context,
+):
+    live, messages = VectorMap(Field(), {"truth": "truth", "ekf": "your EKF"}), []
+    live.widget.send = messages.append
+    path = [Pose(0.05 * step, 0.0, 0.0) for step in range(4)]
+    for step in range(1, 5):
+        estimate = Estimate(path[step - 1], np.eye(3) / 2000, [], [])
+        live.update(MapContents({"truth": path[:step], "ekf": path[:step]}, estimate, (), "ekf"))
+    page = context.new_page()
+    page.clock.install()
+    page.set_content("<body></body>")
+    page.add_script_tag(content=f"{script('map', 'live')}; Object.assign(window, {{ NaoLive }})")
+    page.evaluate(COUNT, live.widget.scene)
+    page.evaluate("message => live.receive({...message, whole: true})", messages[0])
+    page.clock.run_for(1000)
+    assert page.locator(".nao-map-lens:visible").count() == 1
+    page.evaluate("drawn = sized = 0")
+    page.evaluate("messages => messages.forEach(each => live.receive(each))", messages[1:3])
+    page.clock.run_for(20)
+    assert page.evaluate("drawn") == 1
+    page.clock.run_for(1000)
+    page.evaluate("drawn = 0")
+    page.evaluate("message => live.receive(message)", messages[3])
+    page.clock.run_for(1000)
+    assert 4 <= page.evaluate("drawn") <= 6  # a movement takes 150 ms
+    assert page.evaluate("sized") == 0
+    page.close()

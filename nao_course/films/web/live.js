@@ -2,6 +2,7 @@
 const NaoLive = (() => {
   const { FieldMap, mix } = NaoMap;
   const LONGEST = 150; // ms that a movement takes at most
+  const PAUSE = 24; // ms: with it a movement has 30 frames a second. Each takes time from the robot's next picture.
 
   class LiveMap {
     constructor(root, scene) {
@@ -26,10 +27,16 @@ const NaoLive = (() => {
         if (whole || (this.scene.layers[i].kind === "path" && !change.add)) this.from[i] = this.to[i];
       }
       if (alt) this.map.canvas.setAttribute("aria-label", alt);
-      cancelAnimationFrame(this.frame);
-      this.move();
+      this.schedule(0);
       return true;
     }
+    schedule(pause) {
+      this.stop();
+      const draw = () => { this.frame = requestAnimationFrame(() => this.move()); };
+      if (pause) this.timer = setTimeout(draw, pause);
+      else draw();
+    }
+    stop() { clearTimeout(this.timer); cancelAnimationFrame(this.frame); }
     move() {
       const part = this.length ? Math.min((performance.now() - this.arrived) / this.length, 1) : 1;
       this.map.show(this.scene.layers.map((layer, i) => {
@@ -38,9 +45,9 @@ const NaoLive = (() => {
         const before = from.length / 3 - 1, after = to.length / 3 - 1;
         return { poses: to, upto: before < 0 ? after : before + part * (after - before) };
       }));
-      if (part < 1) this.frame = requestAnimationFrame(() => this.move());
+      if (part < 1) this.schedule(PAUSE);
     }
-    remove() { cancelAnimationFrame(this.frame); this.map.remove(); }
+    remove() { this.stop(); this.map.remove(); }
   }
 
   return { LiveMap };

@@ -310,6 +310,14 @@ const NaoMap = (() => {
 
   // --- the map ---
 
+  // A canvas that is given its size again is cleared, and the page is laid out again.
+  const resize = (canvas, width, height, ratio) => {
+    const [own, tall] = [width, height].map(each => Math.round(each * ratio));
+    if (canvas.width === own && canvas.height === tall) return;
+    canvas.width = own; canvas.height = tall;
+    canvas.style.width = `${width}px`; canvas.style.height = `${height}px`;
+  };
+
   class FieldMap {
     constructor(root, scene, alt) {
       this.scene = scene; this.root = root; this.values = [];
@@ -344,10 +352,7 @@ const NaoMap = (() => {
       const most = tallest || this.root.clientHeight - this.legend.offsetHeight; // 0: as tall as its place
       const scale = Math.min((width - left - right) / (x1 - x0), (most - top - bottom) / (y1 - y0));
       const height = Math.round(scale * (y1 - y0) + top + bottom), own = Math.round(scale * (x1 - x0) + left + right);
-      if (this.canvas.width !== Math.round(own * ratio) || this.canvas.height !== Math.round(height * ratio)) {
-        this.canvas.width = Math.round(own * ratio); this.canvas.height = Math.round(height * ratio);
-        this.canvas.style.width = `${own}px`; this.canvas.style.height = `${height}px`;
-      }
+      resize(this.canvas, own, height, ratio);
       const c = this.canvas.getContext("2d"), tone = this.tone();
       c.setTransform(ratio, 0, 0, ratio, 0, 0);
       c.clearRect(0, 0, own, height);
@@ -383,10 +388,11 @@ const NaoMap = (() => {
       this.lens.hidden = !reach || (LENS / reach < ENLARGES * scale && !wedge);
       if (this.lens.hidden) return;
       const [canvas, caption] = this.lens.children, ratio = devicePixelRatio || 1, size = 2 * LENS;
-      canvas.width = canvas.height = size * ratio; // also clears it
-      canvas.style.width = canvas.style.height = `${size}px`;
+      resize(canvas, size, size, ratio);
       const c = canvas.getContext("2d"), near = LENS / reach;
-      c.scale(ratio, ratio);
+      c.save();
+      c.setTransform(ratio, 0, 0, ratio, 0, 0);
+      c.clearRect(0, 0, size, size);
       c.beginPath(); c.arc(LENS, LENS, LENS - 1, 0, 2 * Math.PI); c.clip();
       c.fillStyle = tone.paper; c.fillRect(0, 0, size, size);
       const wider = wedge && (WIDER.find(each => each * Math.max(wedge[3], Math.abs(wedge[4])) <= WIDEST) ?? 1);
@@ -394,6 +400,7 @@ const NaoMap = (() => {
         wedge: { radius: LENS - 6, wider } }, tone);
       c.beginPath(); c.arc(LENS, LENS, LENS - 1, 0, 2 * Math.PI);
       c.lineWidth = 2; c.strokeStyle = tone.text; c.stroke();
+      c.restore();
       const words = `${reach / 10} cm around the estimate, enlarged${wider > 1 ? `; angles ${wider} × as wide` : ""}`;
       if (caption.textContent !== words) caption.textContent = words;
     }

@@ -52,7 +52,8 @@ _CSS = """
 .nao-cockpit { container-type: inline-size; position: relative; width: 100%; max-width: 1000px; padding: 6px;
   box-sizing: border-box; gap: 6px; border-radius: 8px; }
 .nao-cockpit > * { margin: 0; overflow: visible; flex: none; }
-.nao-cockpit:has(.nao-keys:focus) { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: -2px; }
+.nao-cockpit:has(.nao-keys:focus)::before { content: ""; position: absolute; inset: 2px; border-radius: 6px;
+  outline: 2px solid var(--nao-mark, #0b5fa5); pointer-events: none; }
 .nao-cockpit .nao-key-place { position: absolute; left: 0; top: 0; width: 1px; height: 1px; opacity: 0;
   overflow: hidden; }
 .nao-cockpit .nao-ready .widget-html-content { display: flex; gap: 14px; flex: 1 1 0; min-width: 0;
