@@ -124,7 +124,7 @@ class JointUpdate(SlamAlgorithm):
         self._last: _Move | None = None
         # By the number of a line's landmark: 0 if the line is x = c, 1 if it is y = c.
         self._axes: dict[int, int] = {}
-        self._spans: dict[int, tuple[float, float]] = {}  # ends of what was seen of each line, m
+        self._spans: dict[int, tuple[float, float]] = {}  # where the part of each line that was seen ends, m
         self._circle: int | None = None
 
     def move(self, motion: Motion) -> None:
@@ -289,7 +289,7 @@ class JointUpdate(SlamAlgorithm):
         )
 
     def _extend(self, number: int, axis: int, line: FloatArray) -> None:
-        """Add the visible part of a line to what was seen of a line of the map."""
+        """Add the visible part of a line to the part of a line of the map that was seen."""
         ends = visible_ends([line])[0] @ rotation_2d(self.inner.state[2]).T + self.inner.state[:2]
         seen = *ends[:, 1 - axis].tolist(), *self._spans.get(number, ())
         self._spans[number] = min(seen), max(seen)

@@ -34,8 +34,8 @@ DETECTED: Mapping[Clutter, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "line": ((0.2, 0.6, 1.0, 1.5), (0.0, 0.5, 0.8, 0.95)),
 }
 LEAST_DETECTED = 0.3  # of a match: near an edge of the view, and at other ranges, detection remains possible
-PIECES = 12  # of a line, for the length that is in view
-LINE_RANGE = (0.45, 2.5)  # m: of a piece in view
+SEGMENTS = 12  # of a line, for the length that is in view
+LINE_RANGE = (0.45, 2.5)  # m: of a segment in view
 BEYOND_SIGMA, BEYOND = 0.25, 0.03  # m, and least factor: for a line's visible part beyond the line on the map
 MAP_SIGMA = 0.05  # m: is added to a match, because an error of the map is the same at all stops
 WELL_KNOWN = 0.06  # m: a landmark with a larger standard deviation may not exist, so it is not missed
@@ -124,7 +124,7 @@ class KnownMap:
 
     Points (n, 2) with covariances (n, 2, 2) are corners, posts and the circle's centre, in the map frame, m and m^2.
     The axis of each line (m,) is 0 for x = c and 1 for y = c, with c in `places` (m,), m, and its variance (m,), m^2.
-    The spans (m, 2), or (2,) for all lines, are the ends of what was seen of it, along the line, m.
+    The spans (m, 2), or (2,) for all lines, are where the part that was seen begins and ends, m along the line.
     """
 
     points: FloatArray
@@ -135,15 +135,15 @@ class KnownMap:
     variances: FloatArray
     spans: npt.ArrayLike = (-10.0, 10.0)
 
-    def pieces(self) -> tuple[FloatArray, FloatArray]:
-        """Return the centres (m, PIECES, 2) of equal pieces of each line, map frame, and their lengths (m,), m."""
+    def segments(self) -> tuple[FloatArray, FloatArray]:
+        """Return the centres (m, SEGMENTS, 2) of equal segments of each line, map frame, and their lengths (m,), m."""
         m = len(self.axes)
         begin, end = np.broadcast_to(self.spans, (m, 2)).T
-        centres = np.empty((m, PIECES, 2))
-        share = (np.arange(PIECES) + 0.5) / PIECES
+        centres = np.empty((m, SEGMENTS, 2))
+        share = (np.arange(SEGMENTS) + 0.5) / SEGMENTS
         centres[np.arange(m), :, self.axes] = self.places[:, None]
         centres[np.arange(m), :, 1 - self.axes] = begin[:, None] + share * (end - begin)[:, None]
-        return centres, (end - begin) / PIECES
+        return centres, (end - begin) / SEGMENTS
 
 
 class PositionLikelihood:
@@ -182,7 +182,7 @@ class PositionLikelihood:
         self._of = np.append(self._landmark, len(known.kinds) + known_line)
         self._along, self._seen = 1 - axes[line], stop.spans_from(heading)[line]
         self._span = np.broadcast_to(known.spans, (len(known.axes), 2))[known_line]
-        self._pieces, self._lengths = known.pieces()
+        self._segments, self._lengths = known.segments()
         self._exists = (
             np.append(np.trace(known.covariances, axis1=1, axis2=2) / 2, known.variances) < WELL_KNOWN**2
         )
@@ -239,9 +239,9 @@ class PositionLikelihood:
         distance, seen = self._in_view(self._known.points, self._stop.views, positions)
         landmarks = [np.interp(distance[:, i], *DETECTED[kind]) for i, kind in enumerate(self._known.kinds)]
         of_points = np.reshape(landmarks, distance.T.shape).T * seen
-        distance, seen = self._in_view(self._pieces.reshape(-1, 2), self._stop.line_views, positions)
+        distance, seen = self._in_view(self._segments.reshape(-1, 2), self._stop.line_views, positions)
         seen &= (distance > LINE_RANGE[0]) & (distance < LINE_RANGE[1])
-        length = seen.reshape(len(positions), len(self._lengths), PIECES).sum(axis=2) * self._lengths
+        length = seen.reshape(len(positions), len(self._lengths), SEGMENTS).sum(axis=2) * self._lengths
         return np.hstack([of_points, np.interp(length, *DETECTED["line"])])
 
     def _in_view(
@@ -251,7 +251,7 @@ class PositionLikelihood:
         distance = np.hypot(*(points.T[:, None] - positions.T[:, :, None]))
         normals = np.stack([-np.sin(self._heading + views), np.cos(self._heading + views)])
         aside = np.tensordot(points, normals, 1) - np.tensordot(positions, normals, 1)[:, None]
-        return distance, ((aside[..., 0] > 0) & (aside[..., 1] < 0)).any(axis=-1)
+        return distance, np.any((aside[..., 0] > 0) & (aside[..., 1] < 0), axis=-1)
 
 
 def gaussian_log_densities(residuals: FloatArray, information: FloatArray) -> FloatArray:

@@ -240,7 +240,7 @@ def test_a_line_counts_once_and_one_that_may_be_two_does_not_count(slam):
     assert np.allclose(*ends)
 
 
-def test_the_map_has_the_ends_of_what_was_seen_of_a_line(slam):
+def test_the_map_has_the_ends_of_the_part_of_a_line_that_was_seen(slam):
     pose, mine = Pose(1.0, 0.5, 0.3), slam(Pose(1.0, 0.5, 0.3))
     foot = pose.to_local(np.array([[3.0, 0.5]]))[0]
     for span in ([(0.0, 0.7)], [(-1.1, 0.2)], [(0.1, 0.2), (-0.1, 0.9)]):

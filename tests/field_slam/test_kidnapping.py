@@ -302,7 +302,7 @@ def test_a_line_is_not_longer_than_on_the_map_and_a_long_line_in_view_is_not_mis
     pose = Pose(1.0, 0.2, 0.0)
 
     def likelihood(*spans: tuple[float, float], view=(-1.2, 1.2), sigma=0.01) -> float:
-        """Of a robot before the line x = 3, which ends at y = -2 and y = 2, that sees parts of it."""
+        """Return the log-likelihood of a robot that sees parts of the line x = 3, which ends at y = -2 and y = 2."""
         lines = np.array([[2.0, 0.0, np.pi / 2, *span] for span in spans]).reshape(-1, 5)
         seen = LineObservation(
             (), np.zeros((0, 0)), 0.0, sigma, np.diag([1e-4, 1e-4]), lines=lines, view=view
