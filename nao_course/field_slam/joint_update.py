@@ -29,7 +29,13 @@ from nao_course.field_slam.likelihood import (
     line_log_densities,
     other_heading_of,
 )
-from nao_course.field_slam.line_observation import CENTRE_SIGMA, LINE_SIGMA, LineObservation, PointKind
+from nao_course.field_slam.line_observation import (
+    CENTRE_SIGMA,
+    LINE_SIGMA,
+    LineObservation,
+    PointKind,
+    visible_ends,
+)
 from nao_course.field_slam.observation import CAMERA_HEIGHT, FOCAL, Observation, as_observation, tilt_jacobian
 from nao_course.geometry import FloatArray, Pose, rotation_2d, wrap_angle
 from nao_course.slam import Estimate, LandmarkKind, Measurement, Motion, SlamAlgorithm
@@ -118,6 +124,7 @@ class JointUpdate(SlamAlgorithm):
         self._last: _Move | None = None
         # By the number of a line's landmark: 0 if the line is x = c, 1 if it is y = c.
         self._axes: dict[int, int] = {}
+        self._spans: dict[int, tuple[float, float]] = {}  # where the part of each line that was seen ends, m
         self._circle: int | None = None
 
     def move(self, motion: Motion) -> None:
@@ -199,6 +206,7 @@ class JointUpdate(SlamAlgorithm):
         return KnownMap(
             places[points], own[points], tuple(kinds),
             np.array(list(self._axes.values()), dtype=int), places[lines, 0], own[lines, 0, 0],
+            np.array([self._spans[number] for number in self._axes]).reshape(-1, 2),
         )  # fmt: skip
 
     def place(self, pose: Pose, covariance: FloatArray) -> None:
@@ -261,6 +269,7 @@ class JointUpdate(SlamAlgorithm):
         nearest = sorted(sigmas, key=sigmas.__getitem__)
         if nearest and sigmas[nearest[0]] < KNOWN and all(sigmas[other] > OTHER for other in nearest[1:]):
             number = nearest[0]
+            self._extend(number, axis, line)
             if number in used:  # a longer segment of the same line has been used
                 return None
         else:
@@ -272,11 +281,18 @@ class JointUpdate(SlamAlgorithm):
             number = self._put_on_map([position, 0.0], [UNKNOWN, 1e-6])
             self._axes[number], residuals[number] = axis, 0.0
             rows[number] = _minus_landmark(np.pad(h, (0, 2))[None], number, np.eye(1, 2))
+            self._extend(number, axis, line)
         used.add(number)
         known = np.array([number < on_map])
         return LinearisedMeasurement(
             np.array([residuals[number]]), rows[number], np.array([[pixels]]), -J[None], "lines", known
         )
+
+    def _extend(self, number: int, axis: int, line: FloatArray) -> None:
+        """Add the visible part of a line to the part of a line of the map that was seen."""
+        ends = visible_ends([line])[0] @ rotation_2d(self.inner.state[2]).T + self.inner.state[:2]
+        seen = *ends[:, 1 - axis].tolist(), *self._spans.get(number, ())
+        self._spans[number] = min(seen), max(seen)
 
     def _centre(self, circle: Circle, seen: Observation) -> LinearisedMeasurement | None:
         """Linearise the measurement of the circle's centre; None if it fails the gate."""

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from nao_course.field_slam.compass import OUTLIERS, QUARTER, reading_density
 from nao_course.field_slam.line_observation import PointKind, StopView
 from nao_course.field_slam.observation import Observation
-from nao_course.geometry import FloatArray, rotation_2d, wrap_angle
+from nao_course.geometry import FloatArray, rotation_2d
 
 Part = Literal["compass", "landmarks", "lines"]  # the centre circle belongs to the lines
 Clutter = Literal["corner", "post", "centre", "line"]
@@ -25,14 +25,18 @@ Clutter = Literal["corner", "post", "centre", "line"]
 # m^2, lines per m (`python -m benchmarks kidnapping`).
 CLUTTER: Mapping[Clutter, float] = {"corner": 0.02, "post": 0.006, "centre": 0.002, "line": 0.025}
 IGNORED = 0.3  # factor for measurements that are ignored although the map may explain them
-# m: ranges at which a landmark of the map is nearly always detected. The centre is detected by its circle, so never.
-VISIBLE: dict[PointKind, tuple[float, float]] = {
-    "corner": (1.2, 2.5),
-    "post": (1.2, 3.0),
-    "centre": (0.0, 0.0),
+# Probability of detection by the range of a landmark in view, m, and by the length of a line that is in view, m. They
+# are a little lower than on drives 200 to 249, because a thing on the map may be false.
+DETECTED: Mapping[Clutter, tuple[tuple[float, ...], tuple[float, ...]]] = {
+    "corner": ((0.7, 1.1, 2.5, 3.0, 4.0), (0.0, 0.95, 0.95, 0.8, 0.1)),
+    "post": ((0.7, 1.1, 3.0, 4.0), (0.0, 0.95, 0.95, 0.5)),
+    "centre": ((0.8, 1.6, 2.5, 3.5), (0.0, 0.85, 0.85, 0.1)),
+    "line": ((0.2, 0.6, 1.0, 1.5), (0.0, 0.5, 0.8, 0.95)),
 }
-DETECTED, ELSEWHERE = 0.9, 0.4  # probability of detection at these ranges, and at others
-LINE_DETECTED = 0.5
+LEAST_DETECTED = 0.3  # of a match: near an edge of the view, and at other ranges, detection remains possible
+SEGMENTS = 12  # of a line, for the length that is in view
+LINE_RANGE = (0.45, 2.5)  # m: of a segment in view
+BEYOND_SIGMA, BEYOND = 0.25, 0.03  # m, and least factor: for a line's visible part beyond the line on the map
 MAP_SIGMA = 0.05  # m: is added to a match, because an error of the map is the same at all stops
 WELL_KNOWN = 0.06  # m: a landmark with a larger standard deviation may not exist, so it is not missed
 LEAST_INFORMATION = 1e-2 * np.eye(2)  # 1/m^2: where nothing is matched
@@ -120,6 +124,7 @@ class KnownMap:
 
     Points (n, 2) with covariances (n, 2, 2) are corners, posts and the circle's centre, in the map frame, m and m^2.
     The axis of each line (m,) is 0 for x = c and 1 for y = c, with c in `places` (m,), m, and its variance (m,), m^2.
+    The spans (m, 2), or (2,) for all lines, are where the part that was seen begins and ends, m along the line.
     """
 
     points: FloatArray
@@ -128,6 +133,17 @@ class KnownMap:
     axes: npt.NDArray[np.int64]
     places: FloatArray
     variances: FloatArray
+    spans: npt.ArrayLike = (-10.0, 10.0)
+
+    def segments(self) -> tuple[FloatArray, FloatArray]:
+        """Return the centres (m, SEGMENTS, 2) of equal segments of each line, map frame, and their lengths (m,), m."""
+        m = len(self.axes)
+        begin, end = np.broadcast_to(self.spans, (m, 2)).T
+        centres = np.empty((m, SEGMENTS, 2))
+        share = (np.arange(SEGMENTS) + 0.5) / SEGMENTS
+        centres[np.arange(m), :, self.axes] = self.places[:, None]
+        centres[np.arange(m), :, 1 - self.axes] = begin[:, None] + share * (end - begin)[:, None]
+        return centres, (end - begin) / SEGMENTS
 
 
 class PositionLikelihood:
@@ -159,23 +175,28 @@ class PositionLikelihood:
         self._information = np.concatenate(
             [np.linalg.inv(S), across[:, :, None] * across[:, None] / variance[:, None, None]]
         )
-        of_line = LINE_DETECTED / (1 - LINE_DETECTED) / CLUTTER["line"]
         self._scale = np.append(
-            1 / (2 * np.pi * np.sqrt(np.linalg.det(S)) * clutter), of_line / np.sqrt(2 * np.pi * variance)
+            1 / (2 * np.pi * np.sqrt(np.linalg.det(S)) * clutter),
+            1 / np.sqrt(2 * np.pi * variance) / CLUTTER["line"],
+        )
+        self._of = np.append(self._landmark, len(known.kinds) + known_line)
+        self._along, self._seen = 1 - axes[line], stop.spans_from(heading)[line]
+        self._span = np.broadcast_to(known.spans, (len(known.axes), 2))[known_line]
+        self._segments, self._lengths = known.segments()
+        self._exists = (
+            np.append(np.trace(known.covariances, axis1=1, axis2=2) / 2, known.variances) < WELL_KNOWN**2
         )
         self._owner = np.eye(of_points + len(axes))[np.append(point, of_points + line)]
 
     def log_likelihood(self, positions: FloatArray) -> FloatArray:
         """Return the log-likelihoods (N,) at positions (N, 2), m, map frame."""
-        return np.log1p(self._matches(positions) @ self._owner).sum(axis=1) + self.missed(positions)
+        detected = self._detected(positions)
+        matched = np.log1p(self._matches(positions, detected) @ self._owner).sum(axis=1)
+        return np.asarray(matched + np.log1p(-detected) @ self._exists)
 
     def missed(self, positions: FloatArray) -> FloatArray:
-        """Return the log-likelihoods (N,) at positions (N, 2) of the landmarks that should be in view."""
-        offset = self._known.points - positions[:, None]
-        bearing = wrap_angle(np.arctan2(offset[..., 1], offset[..., 0]) - self._heading)[..., None]
-        seen = ((bearing > self._stop.views[:, 0]) & (bearing < self._stop.views[:, 1])).any(axis=-1)
-        exists = np.trace(self._known.covariances, axis1=1, axis2=2) < 2 * WELL_KNOWN**2
-        return np.log1p(-DETECTED) * (self._certain(positions) & exists & seen).sum(axis=1)
+        """Return the log-likelihoods (N,) at positions (N, 2) of a stop at which nothing is detected."""
+        return np.asarray(np.log1p(-self._detected(positions)) @ self._exists)
 
     def fit(
         self, positions: FloatArray, mean: FloatArray | None = None, information: FloatArray | None = None
@@ -188,9 +209,9 @@ class PositionLikelihood:
         m^2.
         """
         prior = np.zeros((2, 2)) if information is None else information
-        mean = positions if mean is None else mean
+        mean, detected = positions if mean is None else mean, self._detected(positions)
         for _ in range(STEPS):
-            matches = self._matches(positions)
+            matches = self._matches(positions, detected)
             weights = matches / (1 + matches @ self._owner @ self._owner.T)
             found = prior + LEAST_INFORMATION + np.tensordot(weights, self._information, 1)
             pull = weights @ np.einsum("pij,pj->pi", self._information, self._at)
@@ -201,20 +222,36 @@ class PositionLikelihood:
             evidence = evidence + gaussian_log_densities(positions - mean, prior)
         return positions, found, evidence
 
-    def _matches(self, positions: FloatArray) -> FloatArray:
-        """Return the likelihood of each match relative to clutter, shape (N, matches)."""
+    def _matches(self, positions: FloatArray, detected: FloatArray) -> FloatArray:
+        """Return the likelihood of each match relative to clutter, shape (N, matches); see `_detected`."""
         residual = positions[:, None] - self._at
         square = np.einsum("npi,pij,npj->np", residual, self._information, residual)
         matches = self._scale * np.exp(-0.5 * square)
-        odds = np.where(self._certain(positions), DETECTED / (1 - DETECTED), ELSEWHERE / (1 - ELSEWHERE))
-        matches[:, : len(self._landmark)] *= odds[:, self._landmark]
-        return matches
+        seen = positions[:, self._along, None] + self._seen
+        beyond = (np.maximum(self._span - seen, 0) @ (1, 0)) + (np.maximum(seen - self._span, 0) @ (0, 1))
+        inside = np.exp(-0.5 * (beyond / BEYOND_SIGMA) ** 2)
+        matches[:, len(self._landmark) :] *= np.maximum(inside, BEYOND)
+        detected = np.maximum(detected, LEAST_DETECTED)
+        return matches * (detected / (1 - detected))[:, self._of]
 
-    def _certain(self, positions: FloatArray) -> npt.NDArray[np.bool_]:
-        """Return which landmarks (N, n) are at a range at which they are nearly always detected."""
-        distance = np.linalg.norm(self._known.points - positions[:, None], axis=-1)
-        nearest, farthest = np.array([VISIBLE[kind] for kind in self._known.kinds]).reshape(-1, 2).T
-        return (distance > nearest) & (distance < farthest)
+    def _detected(self, positions: FloatArray) -> FloatArray:
+        """Return the probabilities (N, n + m) that the landmarks and lines of the map are detected."""
+        distance, seen = self._in_view(self._known.points, self._stop.views, positions)
+        landmarks = [np.interp(distance[:, i], *DETECTED[kind]) for i, kind in enumerate(self._known.kinds)]
+        of_points = np.reshape(landmarks, distance.T.shape).T * seen
+        distance, seen = self._in_view(self._segments.reshape(-1, 2), self._stop.line_views, positions)
+        seen &= (distance > LINE_RANGE[0]) & (distance < LINE_RANGE[1])
+        length = seen.reshape(len(positions), len(self._lengths), SEGMENTS).sum(axis=2) * self._lengths
+        return np.hstack([of_points, np.interp(length, *DETECTED["line"])])
+
+    def _in_view(
+        self, points: FloatArray, views: FloatArray, positions: FloatArray
+    ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+        """Return the distances (N, P) of points from positions, and whether one of the views shows them."""
+        distance = np.hypot(*(points.T[:, None] - positions.T[:, :, None]))
+        normals = np.stack([-np.sin(self._heading + views), np.cos(self._heading + views)])
+        aside = np.tensordot(points, normals, 1) - np.tensordot(positions, normals, 1)[:, None]
+        return distance, np.any((aside[..., 0] > 0) & (aside[..., 1] < 0), axis=-1)
 
 
 def gaussian_log_densities(residuals: FloatArray, information: FloatArray) -> FloatArray:

@@ -36,8 +36,9 @@ class LineObservation(Observation):
     """An observation with the lines and the centre circle of its picture.
 
     `shared` (2,) is the covariance of pitch and roll with the lines' direction, rad^2. Each of the lines (N, 3) is its
-    visible point (x, y) that is nearest to the robot, m, and its direction, rad, in the robot frame. `view` is the
-    smallest and the largest bearing in the picture, rad.
+    visible point (x, y) that is nearest to the robot, m, and its direction, rad, in the robot frame. Two more
+    columns are the ends of its visible part, m along the direction from that point. `view` is the smallest and the
+    largest bearing in the picture, rad.
     """
 
     shared: FloatArray = field(default_factory=lambda: np.zeros(2))
@@ -75,7 +76,15 @@ def field_lines(lines: FloatArray, tilt: BodyTilt, level: CameraView) -> FloatAr
     with np.errstate(invalid="ignore"):  # points at the horizon have no position
         kept = (length >= LEAST_LENGTH) & (pixels >= LEAST_PIXELS) & (np.hypot(*nearest.T) < FARTHEST)
         kept &= np.abs(wrap_quarter(direction - tilt.direction)) < AGREES
-    return np.column_stack([nearest, direction])[kept]
+    return np.column_stack([nearest, direction, -share * length, (1 - share) * length])[kept]
+
+
+def visible_ends(lines: npt.ArrayLike) -> FloatArray:
+    """Return the ends (N, 2, 2) of the visible parts of `LineObservation.lines`, m, in the robot frame."""
+    given = np.asarray(lines, dtype=float)
+    along = np.pad(given, ((0, 0), (0, 5 - given.shape[1])))[:, 3:]
+    direction = np.column_stack([np.cos(given[:, 2]), np.sin(given[:, 2])])
+    return np.asarray(given[:, None, :2] + along[..., None] * direction[:, None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +93,9 @@ class StopView:
 
     The heading from the compass is known modulo 90 degrees, rad, and its standard deviation is infinite without a
     compass. Points (k, 2) with covariances (k, 2, 2) are corners, posts and the circle's centre; each line has a point
-    (m, 2) with covariance (m, 2, 2) and a direction (m,). All are in the robot frame, in m, m^2 and rad. Each of the
-    views (p, 2) is the smallest and the largest bearing in a picture, rad.
+    (m, 2) with covariance (m, 2, 2), a direction (m,), and the ends (m, 2, 2) of its visible part. All are in the robot
+    frame, in m, m^2 and rad. Each of the views (p, 2) is the smallest and the largest bearing in a picture, rad, and
+    each of the `line_views` (q, 2) in a picture that has a compass, because only these have lines.
     """
 
     heading: float
@@ -96,7 +106,9 @@ class StopView:
     lines: FloatArray
     line_covariances: FloatArray
     directions: FloatArray
+    ends: FloatArray
     views: FloatArray
+    line_views: FloatArray
 
     @classmethod
     def of(cls, pictures: Sequence[Observation]) -> StopView:
@@ -104,7 +116,10 @@ class StopView:
         heading, sigma = _heading(pictures)
         points, covariances, kinds = [np.zeros((0, 2))], [np.zeros((0, 2, 2))], list[PointKind]()
         lines, line_covariances, directions = [np.zeros((0, 2))], [np.zeros((0, 2, 2))], [np.zeros(0)]
-        views = np.array([each.view for each in pictures if isinstance(each, LineObservation)]).reshape(-1, 2)
+        ends = [np.zeros((0, 2, 2))]
+        whole = [each for each in pictures if isinstance(each, LineObservation)]
+        views = np.array([each.view for each in whole]).reshape(-1, 2)
+        has_lines = np.isfinite([each.direction_sigma for each in whole])
         for seen in pictures:
             k = len(seen)
             own = seen.covariance.reshape(k, 2, k, 2)[np.arange(k), :, np.arange(k)]
@@ -119,16 +134,18 @@ class StopView:
                 points.append(seen.circle.centre[None])
                 covariances.append((CENTRE_SIGMA**2 * np.eye(2) + J @ seen.tilt @ J.T)[None])
                 kinds.append("centre")
-            polar = [Measurement(float(np.arctan2(y, x)), float(np.hypot(x, y))) for x, y, _ in seen.lines]
+            polar = [Measurement(float(np.arctan2(y, x)), float(np.hypot(x, y))) for x, y, *_ in seen.lines]
             R = picture_covariance(polar, seen.tilt, LINE_SIGMA).reshape(len(polar), 2, len(polar), 2)
             each = np.arange(len(polar))
             at, spread = _cartesian(values_of(polar), R[each, :, each])
             lines.append(at)
             line_covariances.append(spread)
             directions.append(seen.lines[:, 2])
+            ends.append(visible_ends(seen.lines))
         found = cls(
             heading, sigma, np.vstack(points), np.vstack(covariances), tuple(kinds),
-            np.vstack(lines), np.vstack(line_covariances), np.concatenate(directions), views,
+            np.vstack(lines), np.vstack(line_covariances), np.concatenate(directions), np.concatenate(ends),
+            views, views[has_lines],
         )  # fmt: skip
         return found._without_duplicates()
 
@@ -146,7 +163,8 @@ class StopView:
         return StopView(
             self.heading, self.heading_sigma, self.points[kept], self.covariances[kept],
             tuple(self.kinds[i] for i in kept),
-            self.lines[lines], self.line_covariances[lines], self.directions[lines], self.views,
+            self.lines[lines], self.line_covariances[lines], self.directions[lines], self.ends[lines],
+            self.views, self.line_views,
         )  # fmt: skip
 
     def lines_from(self, heading: float) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
@@ -160,6 +178,12 @@ class StopView:
         if len(axes):  # without lines, the heading may be unknown
             variances = variances + (self.heading_sigma * offset[each, 1 - axes]) ** 2
         return axes, offset[each, axes], variances
+
+    def spans_from(self, heading: float) -> FloatArray:
+        """Return the ends (m, 2) of each line's visible part, along the line, from the robot on, m; in order."""
+        axes, _, _ = self.lines_from(heading)
+        ends = self.ends @ rotation_2d(heading).T
+        return np.sort(ends[np.arange(len(axes)), :, 1 - axes], axis=1)
 
 
 def _heading(pictures: Sequence[Observation]) -> tuple[float, float]:

@@ -8,7 +8,7 @@ import pytest
 from nao_course.field_slam.compass import BodyTilt, estimate_body_tilt, wrap_quarter
 from nao_course.field_slam.joint_update import INTERNAL, JointUpdate, LinearisedMeasurement
 from nao_course.field_slam.known_shapes.circle import RADIUS, Circle, find_circle
-from nao_course.field_slam.line_observation import LineObservation, field_lines, scene
+from nao_course.field_slam.line_observation import LineObservation, field_lines, scene, visible_ends
 from nao_course.field_slam.lines import to_ground
 from nao_course.field_slam.observation import observation, tilted
 from nao_course.geometry import Pose, wrap_angle
@@ -86,7 +86,10 @@ def test_a_line_that_is_short_in_the_picture_or_far_away_is_not_kept(ends, kept)
 
 def test_lines_along_the_fields_directions_are_kept_at_their_nearest_points_if_there_is_a_compass():
     pixels = VIEW.project(np.array([(1.2, 0.2), (1.2, 0.8)])).reshape(1, 4)  # its foot, (1.2, 0), is not seen
-    assert np.allclose(field_lines(pixels, SQUARE, VIEW)[0, :2], (1.2, 0.2), atol=1e-6)
+    found = field_lines(pixels, SQUARE, VIEW)
+    assert np.allclose(found[0, :2], (1.2, 0.2), atol=1e-6)
+    assert np.allclose(visible_ends(found)[0], [(1.2, 0.2), (1.2, 0.8)], atol=1e-6)
+    assert np.allclose(visible_ends(found[:, :3])[0], (1.2, 0.2), atol=1e-6)
     pixels = VIEW.project(np.array([(1.0, -0.4), (1.0, 0.4)])).reshape(1, 4)
     for sigma, number in ((0.01, 1), (np.inf, 0)):
         assert len(scene(observation([], direction_sigma=sigma), SQUARE, pixels, VIEW).lines) == number
@@ -94,6 +97,7 @@ def test_lines_along_the_fields_directions_are_kept_at_their_nearest_points_if_t
     pixels = [VIEW.project(np.reshape(each, (-1, 2))).reshape(1, 4) for each in (ahead, slanted, short)]
     found = field_lines(np.vstack(pixels), SQUARE, VIEW)
     assert len(found) == 1 and np.allclose(found[0, :2], (1.0, 0.0), atol=1e-6)
+    assert np.allclose(visible_ends(found)[0], [(1.0, -0.4), (1.0, 0.4)], atol=1e-6)
     assert float(wrap_quarter(found[0, 2])) == pytest.approx(0.0, abs=1e-9)
     horizon = np.array([[10.0, 1.0, 300.0, 2.0]])
     assert not len(field_lines(horizon, SQUARE, tilted(VIEW, -0.5, 0.0)))
@@ -234,6 +238,15 @@ def test_a_line_counts_once_and_one_that_may_be_two_does_not_count(slam):
         ends.append(mine.inner.covariance.copy())
         mine.inner.state, mine.inner.covariance = state, covariance
     assert np.allclose(*ends)
+
+
+def test_the_map_has_the_ends_of_the_part_of_a_line_that_was_seen(slam):
+    pose, mine = Pose(1.0, 0.5, 0.3), slam(Pose(1.0, 0.5, 0.3))
+    foot = pose.to_local(np.array([[3.0, 0.5]]))[0]
+    for span in ([(0.0, 0.7)], [(-1.1, 0.2)], [(0.1, 0.2), (-0.1, 0.9)]):
+        lines = np.array([[*foot, np.pi / 2 - 0.3, *each] for each in span])
+        mine.observe(replace(exact(pose, lines=(), centre=False), lines=lines))
+    assert np.allclose(mine.known_map.spans, [(0.5 - 1.1, 0.5 + 0.9)], atol=0.01)
 
 
 @pytest.mark.parametrize(("apart", "lines"), [(0.25, 1), (0.35, 2)])
