@@ -281,13 +281,15 @@ def test_a_landmark_that_should_be_seen_and_is_not_makes_a_pose_less_likely(know
 def test_a_line_and_the_circle_tell_the_position_across_them():
     pose, R = Pose(1.3, 0.2, 0.4), np.diag([1e-4, 1e-4])
     foot, centre = pose.to_local(np.array([[3.0, 0.2], [0.0, 0.0]]))
-    lines = np.array([[*foot, np.pi / 2 - pose.theta]])
+    lines = np.array([[*foot, np.pi / 2 - pose.theta, 0, 0]])
     seen = LineObservation(
         (), np.zeros((0, 0)), float(wrap_quarter(-pose.theta)), 0.01, R, lines=lines,
         circle=Circle(centre, np.zeros((2, 2))),
     )  # fmt: skip
     centre = np.zeros((1, 2)), 1e-4 * np.eye(2)[None], ("centre",)
-    known = KnownMap(*centre, np.array([0, 1]), np.array([3.0, 0.2]), np.full(2, 1e-4))
+    known = KnownMap(
+        *centre, np.array([0, 1]), np.array([3.0, 0.2]), np.full(2, 1e-4), np.full((2, 2), (-10.0, 10.0))
+    )
     positions = np.array([(1.3, 0.2), (1.3, 0.6), (1.6, 0.2)])
     only_line = replace(seen, circle=None)
     there, aside, nearer = PositionLikelihood(StopView.of([only_line]), known, pose.theta).log_likelihood(
@@ -324,7 +326,7 @@ def test_a_line_is_not_longer_than_on_the_map_and_a_long_line_in_view_is_not_mis
 
 def test_things_that_two_pictures_show_count_once_and_a_far_compass_not_at_all():
     def scene(*places: float, tilt: float) -> LineObservation:
-        lines = np.array([(x, 0.3, np.pi / 2) for x in places])
+        lines = np.array([(x, 0.3, np.pi / 2, 0.0, 0.0) for x in places])
         return LineObservation((), np.zeros((0, 0)), 0.0, 0.01, tilt * np.eye(2), lines=lines)
 
     stop = StopView.of([scene(1.02, tilt=1e-3), scene(1.0, 1.5, tilt=1e-5)])
@@ -381,7 +383,7 @@ def map_and_stop(pose: Pose, places, order=slice(None)) -> tuple[KnownMap, StopV
     x, y, kinds = zip(*places, strict=True)
     known = KnownMap(
         np.column_stack([x, y])[order], np.tile(1e-6 * np.eye(2), (len(places), 1, 1)),
-        tuple(np.array(kinds)[order].tolist()), np.zeros(0, dtype=int), np.zeros(0), np.zeros(0),
+        tuple(np.array(kinds)[order].tolist()), np.zeros(0, dtype=int), np.zeros(0), np.zeros(0), np.zeros((0, 2)),
     )  # fmt: skip
     return known, StopView.of([pictures(pose, places)])
 
@@ -435,7 +437,7 @@ def test_a_filter_that_is_placed_keeps_its_map_which_is_its_points_and_lines(joi
     seen = pictures(pose)
     slam.observe(
         LineObservation(
-            seen.measurements, seen.covariance, 0.0, 1e-3, seen.tilt, lines=np.array([[*foot, np.pi / 2]]),
+            seen.measurements, seen.covariance, 0.0, 1e-3, seen.tilt, lines=np.array([[*foot, np.pi / 2, 0, 0]]),
             circle=Circle(pose.to_local(np.zeros((1, 2)))[0], np.zeros((2, 2))),
         )
     )  # fmt: skip
