@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import logsumexp
+from scipy.stats import multivariate_normal, norm
 
 from nao_course.field_slam.compass import QUARTER, wrap_quarter
 from nao_course.field_slam.joint_update import INTERNAL, JointUpdate
@@ -12,7 +13,18 @@ from nao_course.field_slam.kidnapping import recovery
 from nao_course.field_slam.kidnapping.candidates import Candidates, compass_likelihood
 from nao_course.field_slam.kidnapping.recovery import KidnapRecovery
 from nao_course.field_slam.known_shapes.circle import Circle
-from nao_course.field_slam.likelihood import KnownMap, PositionLikelihood
+from nao_course.field_slam.likelihood import (
+    BEYOND,
+    BEYOND_SIGMA,
+    CLUTTER,
+    DETECTED,
+    LEAST_DETECTED,
+    LINE_RANGE,
+    MAP_SIGMA,
+    SEGMENTS,
+    KnownMap,
+    PositionLikelihood,
+)
 from nao_course.field_slam.line_observation import LineObservation, StopView
 from nao_course.field_slam.observation import observation
 from nao_course.field_slam.surest_first import SurestFirst
@@ -322,6 +334,57 @@ def test_a_line_is_not_longer_than_on_the_map_and_a_long_line_in_view_is_not_mis
     assert likelihood() < likelihood(view=(0.8, 1.2)) - 2
     assert likelihood(view=(1.0, 1.2)) == 0.0
     assert likelihood(sigma=float("inf")) == 0.0  # a picture without a compass has no lines
+
+
+def test_the_likelihood_of_a_stop_is_the_product_over_its_measurements_and_over_what_is_missed():
+    R, spread, views = rotation_2d(0.2), 1e-3 * np.eye(2), np.array([(-0.7, 0.5)])
+    known = KnownMap(
+        np.array([(2.0, 0.3), (1.1, -0.5), (1.9, 1.0), (1.6, 0.2)]), np.multiply.outer([1, 2, 3, 20], spread),
+        ("corner", "post", "corner", "centre"), np.array([0, 1]), np.array([2.0, 0.6]), np.array([1e-3, 2e-3]),
+        np.array([(-1.0, 1.0), (0.0, 1.5)]),
+    )  # fmt: skip
+    measured = np.array([(1.9, 0.4), (1.0, -0.4), (1.4, 0.3), (1.2, 1.2)])
+    ends = np.array([[(1.9, 1.2), (1.9, 0.2)], [(0.5, 0.7), (1.8, 0.7)]])
+    stop = StopView(
+        0.2, 0.0, measured @ R, np.tile(spread, (4, 1, 1)), ("corner", "post", "centre", "post"),
+        ends[:, 0] @ R, np.tile(spread, (2, 1, 1)), np.array([np.pi / 2, 0.0]) - 0.2, ends @ R, views, views,
+    )  # fmt: skip
+    segments = (np.arange(SEGMENTS) + 0.5) / SEGMENTS
+
+    def in_view(points, at):
+        x, y = (points - at) @ R.T[0], (points - at) @ R.T[1]
+        return (np.arctan2(y, x) > -0.7) & (np.arctan2(y, x) < 0.5), np.hypot(x, y)
+
+    def expected(at):
+        seen, away = in_view(known.points, at)
+        chances = [np.interp(r, *DETECTED[kind]) for r, kind in zip(away, known.kinds, strict=True)] * seen
+        for axis, c, (low, high) in zip(known.axes, known.places, known.spans, strict=True):
+            centres = np.full((SEGMENTS, 2), c)
+            centres[:, 1 - axis] = low + (high - low) * segments
+            seen, away = in_view(centres, at)
+            length = np.mean(seen & (away > LINE_RANGE[0]) & (away < LINE_RANGE[1])) * (high - low)
+            chances = np.append(chances, np.interp(length, *DETECTED["line"]))
+        odds = np.maximum(chances, LEAST_DETECTED) / (1 - np.maximum(chances, LEAST_DETECTED))
+        total = np.log1p(-chances[[0, 1, 2, 4, 5]]).sum()  # the centre is not well known
+        for point, kind in zip(measured, stop.kinds, strict=True):
+            S = [spread + each + MAP_SIGMA**2 * np.eye(2) for each in known.covariances]
+            total += np.log1p(sum(
+                odds[j] * multivariate_normal.pdf(at + point, known.points[j], S[j]) / CLUTTER[kind]
+                for j in range(4) if known.kinds[j] == kind
+            ))  # fmt: skip
+        for i, axis in enumerate((0, 1)):
+            along, (low, high) = np.sort(at[1 - axis] + ends[i, :, 1 - axis]), known.spans[i]
+            beyond = max(low - along[0], 0.0) + max(along[1] - high, 0.0)
+            sd = np.sqrt(1e-3 + known.variances[i] + MAP_SIGMA**2)
+            density = norm.pdf(at[axis] + ends[i, 0, axis], known.places[i], sd) / CLUTTER["line"]
+            total += np.log1p(
+                odds[4 + i] * density * max(np.exp(-0.5 * (beyond / BEYOND_SIGMA) ** 2), BEYOND)
+            )
+        return total
+
+    at = np.array([(0.1, -0.1), (0.0, 0.0), (0.2, -0.3), (-0.3, -0.1)])
+    found = PositionLikelihood(stop, known, 0.2).log_likelihood(at)
+    assert found == pytest.approx([expected(each) for each in at], abs=1e-6)
 
 
 def test_things_that_two_pictures_show_count_once_and_a_far_compass_not_at_all():
