@@ -340,11 +340,11 @@ def test_the_likelihood_of_a_stop_is_the_product_over_its_measurements_and_over_
     R, spread, views = rotation_2d(0.2), 1e-3 * np.eye(2), np.array([(-0.7, 0.5)])
     known = KnownMap(
         np.array([(2.0, 0.3), (1.1, -0.5), (1.9, 1.0), (1.6, 0.2)]), np.multiply.outer([1, 2, 3, 20], spread),
-        ("corner", "post", "corner", "centre"), np.array([0, 1]), np.array([2.0, 0.6]), np.array([1e-3, 2e-3]),
+        ("corner", "post", "corner", "centre"), np.array([0, 1]), np.array([2.0, 0.1]), np.array([1e-3, 2e-3]),
         np.array([(-1.0, 1.0), (0.0, 1.5)]),
     )  # fmt: skip
     measured = np.array([(1.9, 0.4), (1.0, -0.4), (1.4, 0.3), (1.2, 1.2)])
-    ends = np.array([[(1.9, 1.2), (1.9, 0.2)], [(0.5, 0.7), (1.8, 0.7)]])
+    ends = np.array([[(1.9, 1.2), (1.9, 0.2)], [(0.5, 0.2), (2.6, 0.2)]])
     stop = StopView(
         0.2, 0.0, measured @ R, np.tile(spread, (4, 1, 1)), ("corner", "post", "centre", "post"),
         ends[:, 0] @ R, np.tile(spread, (2, 1, 1)), np.array([np.pi / 2, 0.0]) - 0.2, ends @ R, views, views,

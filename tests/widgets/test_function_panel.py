@@ -241,7 +241,7 @@ def test_a_pixel_is_marked_over_its_picture_and_a_legend_says_what_colours_mean(
     [
         (None, "the function returned None"),
         (3.5, "a panel shows a picture, a Drawing, a table, a text"),
-        (np.zeros((4, 4)), "a picture must be uint8 of shape (H, W, 3) or (H, W)"),
+        (np.zeros((4, 4)), "a picture must be uint8 of shape (H, W, 3), (H, W, 4) or (H, W)"),
     ],
 )
 def test_what_cannot_be_shown_is_a_sentence(shown, said):
