@@ -382,18 +382,34 @@ def test_the_likelihood_of_a_stop_is_the_product_over_its_measurements_and_over_
             )
         return total
 
-    at = np.array([(0.1, -0.1), (0.0, 0.0), (0.2, -0.3), (-0.3, -0.1)])
+    at = np.array([(0.1, -0.1), (0.0, 0.0), (0.2, -0.3), (-0.6, -0.1)])
     found = PositionLikelihood(stop, known, 0.2).log_likelihood(at)
     assert found == pytest.approx([expected(each) for each in at], abs=1e-6)
 
 
+def test_a_fit_ends_at_a_maximum_of_the_likelihood_between_two_landmarks_that_disagree():
+    places, spread = np.array([(2.0, 0.0), (1.5, 0.8)]), np.tile(1e-3 * np.eye(2), (2, 1, 1))
+    nothing = np.zeros(0, dtype=int), np.zeros(0), np.zeros(0), np.zeros((0, 2))
+    known = KnownMap(places, spread, ("corner", "corner"), *nothing)
+    seen = observation([], (1e-4, 1e-4))
+    stop = replace(
+        StopView.of([LineObservation((), seen.covariance, 0.0, 0.01, seen.tilt, view=(-1.0, 1.0))]),
+        points=places + [(0.0, 0.0), (0.0, 0.3)], covariances=spread, kinds=("corner", "corner"),
+    )  # fmt: skip
+    likelihood = PositionLikelihood(replace(stop, heading_sigma=0.0), known, 0.0)
+    at = likelihood.fit(np.zeros((1, 2)))[0][0]
+    assert at == pytest.approx((0.0, -0.15), abs=1e-3)
+    assert likelihood.log_likelihood(at + [(0.0, 0.0), (0.0, 0.02), (0.0, -0.02)]).argmax() == 0
+
+
 def test_things_that_two_pictures_show_count_once_and_a_far_compass_not_at_all():
     def scene(*places: float, tilt: float) -> LineObservation:
-        lines = np.array([(x, 0.3, np.pi / 2, 0.0, 0.0) for x in places])
+        lines = np.array([(x, 0.3, np.pi / 2, 0.0, x) for x in places])
         return LineObservation((), np.zeros((0, 0)), 0.0, 0.01, tilt * np.eye(2), lines=lines)
 
     stop = StopView.of([scene(1.02, tilt=1e-3), scene(1.0, 1.5, tilt=1e-5)])
     assert sorted(stop.lines[:, 0]) == [1.0, 1.5]
+    assert np.allclose(stop.ends[:, 1, 1], 0.3 + stop.lines[:, 0])
     pose = Pose(1.0, 0.4, 0.2)
     one = pictures(pose)
     worse = replace(one, covariance=4 * one.covariance, direction=one.direction + 0.3, direction_sigma=0.02)
