@@ -60,8 +60,8 @@ def colour_key(colour: str) -> str:
 class Shown:
     """The results of one call of a panel's function.
 
-    By title and in order, it has pictures in RGB (H, W, 3) or RGBA (H, W, 4), figures included, the figures alone, and tables, which have
-    ``_repr_html_`` for a page and `repr` for a text.
+    By title and in order, it has pictures in RGB (H, W, 3) or RGBA (H, W, 4), figures included, the figures alone, and
+    tables, which have ``_repr_html_`` for a page and `repr` for a text.
     """
 
     pictures: Mapping[str, Pixels]
