@@ -175,7 +175,7 @@ def _first(found: Sequence[Step], holds: Callable[[Step], bool]) -> int:
 
 
 def main() -> Result:
-    """Carry a hundred robots away, and let two hundred drive in peace."""
+    """Carry a hundred robots away, and let three hundred drive in peace."""
     prepare(ORDINARY)
     pairs = [(seed, CARRIED[(number + 1) % len(CARRIED)]) for number, seed in enumerate(CARRIED)]
     carried = in_processes(kidnapped, pairs, "kidnapped")

@@ -113,9 +113,8 @@ class _Watch:
         """Interrupt the thread if its time is up."""
         frame = self._frame()
         if not self._interruptions:
-            soon = self._sooner is not None and frame is not None and self._sooner(frame)
-            if not soon and time.monotonic() < self._end:
-                self.due = self._next_look()
+            self.due = self._next_look()
+            if time.monotonic() < self._end and not (self._sooner and frame and self._sooner(frame)):
                 return
             self._last_import = time.monotonic() + IMPORTING
         self._interrupt()
@@ -181,17 +180,15 @@ class _Watchdog:
                 self._watches.remove(watch)
 
     def _run(self) -> None:
-        try:
-            while True:
-                with self._lock:
-                    for watch in self._watches:
-                        if watch.due <= time.monotonic():
+        while True:
+            with self._lock:
+                for watch in self._watches:
+                    if watch.due <= time.monotonic():
+                        with contextlib.suppress(Exception):  # an error of `sooner` ends no time limit
                             watch.step()
-                    self._wakes = min((watch.due for watch in self._watches), default=float("inf"))
-                left = max(self._wakes - time.monotonic(), 0.0)
-                self._asleep.acquire(timeout=min(left, threading.TIMEOUT_MAX))
-        finally:  # an error of `sooner` ends the thread; the next time limit starts another
-            self._runs = False
+                self._wakes = min((watch.due for watch in self._watches), default=float("inf"))
+            left = max(self._wakes - time.monotonic(), 0.0)
+            self._asleep.acquire(timeout=min(left, threading.TIMEOUT_MAX))
 
 
 _WATCHDOG = _Watchdog()

@@ -136,7 +136,7 @@ def without(seen: Observation, parts: Collection[Part]) -> Observation:
     if "landmarks" in parts:
         seen = seen.part([])
     if "lines" in parts and isinstance(seen, LineObservation):
-        seen = replace(seen, lines=np.zeros((0, 3)), circle=None)
+        seen = replace(seen, lines=np.zeros((0, 5)), circle=None)
     return replace(seen, direction_sigma=float("inf")) if "compass" in parts else seen
 
 

@@ -290,7 +290,7 @@ class JointUpdate(SlamAlgorithm):
 
     def _extend(self, number: int, axis: int, line: FloatArray) -> None:
         """Add the visible part of a line to the part of a line of the map that was seen."""
-        ends = visible_ends([line])[0] @ rotation_2d(self.inner.state[2]).T + self.inner.state[:2]
+        ends = visible_ends(line[None])[0] @ rotation_2d(self.inner.state[2]).T + self.inner.state[:2]
         seen = *ends[:, 1 - axis].tolist(), *self._spans.get(number, ())
         self._spans[number] = min(seen), max(seen)
 

@@ -124,7 +124,7 @@ class KnownMap:
 
     Points (n, 2) with covariances (n, 2, 2) are corners, posts and the circle's centre, in the map frame, m and m^2.
     The axis of each line (m,) is 0 for x = c and 1 for y = c, with c in `places` (m,), m, and its variance (m,), m^2.
-    The spans (m, 2), or (2,) for all lines, are where the part that was seen begins and ends, m along the line.
+    The spans (m, 2) are where the part that was seen begins and ends, m along the line.
     """
 
     points: FloatArray
@@ -133,17 +133,15 @@ class KnownMap:
     axes: npt.NDArray[np.int64]
     places: FloatArray
     variances: FloatArray
-    spans: npt.ArrayLike = (-10.0, 10.0)
+    spans: FloatArray
 
     def segments(self) -> tuple[FloatArray, FloatArray]:
         """Return the centres (m, SEGMENTS, 2) of equal segments of each line, map frame, and their lengths (m,), m."""
-        m = len(self.axes)
-        begin, end = np.broadcast_to(self.spans, (m, 2)).T
-        centres = np.empty((m, SEGMENTS, 2))
-        share = (np.arange(SEGMENTS) + 0.5) / SEGMENTS
-        centres[np.arange(m), :, self.axes] = self.places[:, None]
-        centres[np.arange(m), :, 1 - self.axes] = begin[:, None] + share * (end - begin)[:, None]
-        return centres, (end - begin) / SEGMENTS
+        each, lengths = np.arange(len(self.axes)), (self.spans[:, 1] - self.spans[:, 0]) / SEGMENTS
+        centres = np.empty((len(each), SEGMENTS, 2))
+        centres[each, :, self.axes] = self.places[:, None]
+        centres[each, :, 1 - self.axes] = self.spans[:, :1] + np.outer(lengths, np.arange(SEGMENTS) + 0.5)
+        return centres, lengths
 
 
 class PositionLikelihood:
@@ -181,7 +179,7 @@ class PositionLikelihood:
         )
         self._of = np.append(self._landmark, len(known.kinds) + known_line)
         self._along, self._seen = 1 - axes[line], stop.spans_from(heading)[line]
-        self._span = np.broadcast_to(known.spans, (len(known.axes), 2))[known_line]
+        self._span = known.spans[known_line]
         self._segments, self._lengths = known.segments()
         self._exists = (
             np.append(np.trace(known.covariances, axis1=1, axis2=2) / 2, known.variances) < WELL_KNOWN**2
@@ -228,7 +226,7 @@ class PositionLikelihood:
         square = np.einsum("npi,pij,npj->np", residual, self._information, residual)
         matches = self._scale * np.exp(-0.5 * square)
         seen = positions[:, self._along, None] + self._seen
-        beyond = (np.maximum(self._span - seen, 0) @ (1, 0)) + (np.maximum(seen - self._span, 0) @ (0, 1))
+        beyond = np.maximum((self._span - seen) * (1, -1), 0).sum(axis=2)
         inside = np.exp(-0.5 * (beyond / BEYOND_SIGMA) ** 2)
         matches[:, len(self._landmark) :] *= np.maximum(inside, BEYOND)
         detected = np.maximum(detected, LEAST_DETECTED)
@@ -247,7 +245,7 @@ class PositionLikelihood:
     def _in_view(
         self, points: FloatArray, views: FloatArray, positions: FloatArray
     ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
-        """Return the distances (N, P) of points from positions, and whether one of the views shows them."""
+        """Return the distances (N, P) of points from positions, and whether a view (of less than pi) shows them."""
         distance = np.hypot(*(points.T[:, None] - positions.T[:, :, None]))
         normals = np.stack([-np.sin(self._heading + views), np.cos(self._heading + views)])
         aside = np.tensordot(points, normals, 1) - np.tensordot(positions, normals, 1)[:, None]

@@ -35,14 +35,14 @@ COMPASS_GATE = 4.0  # standard deviations, between the compasses of two pictures
 class LineObservation(Observation):
     """An observation with the lines and the centre circle of its picture.
 
-    `shared` (2,) is the covariance of pitch and roll with the lines' direction, rad^2. Each of the lines (N, 3) is its
-    visible point (x, y) that is nearest to the robot, m, and its direction, rad, in the robot frame. Two more
-    columns are the ends of its visible part, m along the direction from that point. `view` is the smallest and the
-    largest bearing in the picture, rad.
+    `shared` (2,) is the covariance of pitch and roll with the lines' direction, rad^2. Each of the lines (N, 5) is its
+    visible point (x, y) that is nearest to the robot, m, its direction, rad, in the robot frame, and the ends of its
+    visible part, m along the direction from that point. `view` is the smallest and the largest bearing in the picture,
+    rad.
     """
 
     shared: FloatArray = field(default_factory=lambda: np.zeros(2))
-    lines: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    lines: FloatArray = field(default_factory=lambda: np.zeros((0, 5)))
     circle: Circle | None = None
     view: tuple[float, float] = (0.0, 0.0)
 
@@ -57,7 +57,7 @@ def scene(
     lines, because it is then unknown which of the field's two directions each line has.
     """
     own = {each.name: getattr(seen, each.name) for each in fields(Observation)}
-    found = field_lines(lines, tilt, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 3))
+    found = field_lines(lines, tilt, level) if np.isfinite(seen.direction_sigma) else np.zeros((0, 5))
     view = (level.yaw - level.hfov / 2 + EDGE, level.yaw + level.hfov / 2 - EDGE)
     circle = find_circle(lines, level, radius)
     return LineObservation(**own, shared=tilt.covariance[:2, 2], lines=found, circle=circle, view=view)
@@ -79,12 +79,10 @@ def field_lines(lines: FloatArray, tilt: BodyTilt, level: CameraView) -> FloatAr
     return np.column_stack([nearest, direction, -share * length, (1 - share) * length])[kept]
 
 
-def visible_ends(lines: npt.ArrayLike) -> FloatArray:
+def visible_ends(lines: FloatArray) -> FloatArray:
     """Return the ends (N, 2, 2) of the visible parts of `LineObservation.lines`, m, in the robot frame."""
-    given = np.asarray(lines, dtype=float)
-    along = np.pad(given, ((0, 0), (0, 5 - given.shape[1])))[:, 3:]
-    direction = np.column_stack([np.cos(given[:, 2]), np.sin(given[:, 2])])
-    return np.asarray(given[:, None, :2] + along[..., None] * direction[:, None])
+    direction = np.column_stack([np.cos(lines[:, 2]), np.sin(lines[:, 2])])
+    return np.asarray(lines[:, None, :2] + lines[:, 3:, None] * direction[:, None])
 
 
 @dataclass(frozen=True, eq=False)

@@ -90,8 +90,8 @@ class Observation(Sequence[Measurement]):
 
     def part(self, chosen: npt.ArrayLike) -> Observation:
         """Return the observation with only some measurements, by indices or a mask, and their covariance."""
-        numbers = np.array(chosen, ndmin=1)
-        numbers = np.flatnonzero(numbers) if numbers.dtype == bool else numbers.astype(int)
+        numbers = np.ravel(chosen)
+        numbers = np.arange(len(self))[numbers if numbers.dtype == bool else numbers.astype(int)]
         rows = (2 * numbers[:, None] + (0, 1)).ravel()
         kept = tuple(self.measurements[i] for i in numbers)
         return replace(self, measurements=kept, covariance=self.covariance[np.ix_(rows, rows)])

@@ -70,8 +70,8 @@ def with_guess(
     ax = drawing.figure.axes[panel]
     _GUESSES[axis](ax, place(value))
     line = "circle" if axis == "radius" else "line"
-    said = f'A dashed {line} labelled "you" marks your prediction, {value:g}.'
-    return replace(drawing, alt=f"{drawing.alt} {said}")
+    alt = f'{drawing.alt} A dashed {line} labelled "you" marks your prediction, {value:g}.'
+    return replace(drawing, alt=alt)
 
 
 def _on_x(ax: Axes, at: float) -> None:

@@ -60,8 +60,8 @@ def colour_key(colour: str) -> str:
 class Shown:
     """The results of one call of a panel's function.
 
-    By title and in order, it has RGB pictures (H, W, 3), figures included, the figures alone, and tables, which have
-    ``_repr_html_`` for a page and `repr` for a text.
+    By title and in order, it has pictures in RGB (H, W, 3) or RGBA (H, W, 4), figures included, the figures alone, and
+    tables, which have ``_repr_html_`` for a page and `repr` for a text.
     """
 
     pictures: Mapping[str, Pixels]
@@ -148,9 +148,9 @@ def is_picture(shown: Any) -> bool:
 
 
 def as_picture(shown: Any) -> Pixels:
-    """Return a picture or a figure as RGB pixels (H, W, 3); refuse anything else with a TypeError or ValueError.
+    """Return a picture or a figure as RGB (H, W, 3) or RGBA (H, W, 4); refuse anything else with a ValueError.
 
-    Arrays are RGB (H, W, 3) or grey (H, W) of uint8, or bool (H, W); a fourth channel is the opacity.
+    Arrays are RGB, RGBA or grey (H, W) of uint8, or bool (H, W).
     """
     if isinstance(shown, Drawing):
         return _rendered(shown)
@@ -159,7 +159,7 @@ def as_picture(shown: Any) -> Pixels:
         array = np.where(array, 255, 0).astype(np.uint8)
     if array.dtype != np.uint8 or not array.size or not (array.ndim == 2 or array.shape[2:] in ((3,), (4,))):
         raise ValueError(
-            "a picture must be uint8 of shape (H, W, 3) or (H, W), or bool of shape (H, W); "
+            "a picture must be uint8 of shape (H, W, 3), (H, W, 4) or (H, W), or bool of shape (H, W); "
             f"got {array.dtype} {array.shape}"
         )
     return array if array.ndim == 3 else np.repeat(array[..., None], 3, axis=2)

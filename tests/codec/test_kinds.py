@@ -175,7 +175,7 @@ def test_keys_that_are_made_to_be_alike_are_refused_before_a_dict_takes_minutes(
         assert decode(encode(row)) == row
 
 
-@pytest.mark.parametrize("function", [np.sin, len, lambda: 0, [].append])
+@pytest.mark.parametrize("function", [np.sin, len, lambda: 0, [].append, json.JSONEncoder().encode])
 def test_a_function_that_was_not_called_is_named(function):
     with pytest.raises(CodecError, match="call this function with its arguments"):
         encode(function)

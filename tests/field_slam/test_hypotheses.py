@@ -26,7 +26,7 @@ def seen_from(pose: Pose, corners=CORNERS, compass=float("inf"), lines=()) -> Li
     found = [Measurement(*range_and_bearing(pose.as_array(), at), "corner") for at in corners]
     direction = float(wrap_quarter(-pose.theta))
     seen = observation(found, (1e-3, 1e-3), direction=direction, direction_sigma=compass)
-    lines = np.array(lines, dtype=float).reshape(-1, 3)
+    lines = np.array([[*line, 0.0, 0.0] for line in lines]).reshape(-1, 5)
     return LineObservation(seen.measurements, seen.covariance, direction, compass, seen.tilt, lines=lines)
 
 

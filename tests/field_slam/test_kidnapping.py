@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import logsumexp
+from scipy.stats import multivariate_normal, norm
 
 from nao_course.field_slam.compass import QUARTER, wrap_quarter
 from nao_course.field_slam.joint_update import INTERNAL, JointUpdate
@@ -12,7 +13,18 @@ from nao_course.field_slam.kidnapping import recovery
 from nao_course.field_slam.kidnapping.candidates import Candidates, compass_likelihood
 from nao_course.field_slam.kidnapping.recovery import KidnapRecovery
 from nao_course.field_slam.known_shapes.circle import Circle
-from nao_course.field_slam.likelihood import KnownMap, PositionLikelihood
+from nao_course.field_slam.likelihood import (
+    BEYOND,
+    BEYOND_SIGMA,
+    CLUTTER,
+    DETECTED,
+    LEAST_DETECTED,
+    LINE_RANGE,
+    MAP_SIGMA,
+    SEGMENTS,
+    KnownMap,
+    PositionLikelihood,
+)
 from nao_course.field_slam.line_observation import LineObservation, StopView
 from nao_course.field_slam.observation import observation
 from nao_course.field_slam.surest_first import SurestFirst
@@ -281,13 +293,15 @@ def test_a_landmark_that_should_be_seen_and_is_not_makes_a_pose_less_likely(know
 def test_a_line_and_the_circle_tell_the_position_across_them():
     pose, R = Pose(1.3, 0.2, 0.4), np.diag([1e-4, 1e-4])
     foot, centre = pose.to_local(np.array([[3.0, 0.2], [0.0, 0.0]]))
-    lines = np.array([[*foot, np.pi / 2 - pose.theta]])
+    lines = np.array([[*foot, np.pi / 2 - pose.theta, 0, 0]])
     seen = LineObservation(
         (), np.zeros((0, 0)), float(wrap_quarter(-pose.theta)), 0.01, R, lines=lines,
         circle=Circle(centre, np.zeros((2, 2))),
     )  # fmt: skip
     centre = np.zeros((1, 2)), 1e-4 * np.eye(2)[None], ("centre",)
-    known = KnownMap(*centre, np.array([0, 1]), np.array([3.0, 0.2]), np.full(2, 1e-4))
+    known = KnownMap(
+        *centre, np.array([0, 1]), np.array([3.0, 0.2]), np.full(2, 1e-4), np.full((2, 2), (-10.0, 10.0))
+    )
     positions = np.array([(1.3, 0.2), (1.3, 0.6), (1.6, 0.2)])
     only_line = replace(seen, circle=None)
     there, aside, nearer = PositionLikelihood(StopView.of([only_line]), known, pose.theta).log_likelihood(
@@ -322,13 +336,80 @@ def test_a_line_is_not_longer_than_on_the_map_and_a_long_line_in_view_is_not_mis
     assert likelihood(sigma=float("inf")) == 0.0  # a picture without a compass has no lines
 
 
+def test_the_likelihood_of_a_stop_is_the_product_over_its_measurements_and_over_what_is_missed():
+    R, spread, views = rotation_2d(0.2), 1e-3 * np.eye(2), np.array([(-0.7, 0.5)])
+    known = KnownMap(
+        np.array([(2.0, 0.3), (1.1, -0.5), (1.9, 1.0), (1.6, 0.2)]), np.multiply.outer([1, 2, 3, 20], spread),
+        ("corner", "post", "corner", "centre"), np.array([0, 1]), np.array([2.0, 0.1]), np.array([1e-3, 2e-3]),
+        np.array([(-1.0, 1.0), (0.0, 1.5)]),
+    )  # fmt: skip
+    measured = np.array([(1.9, 0.4), (1.0, -0.4), (1.4, 0.3), (1.2, 1.2)])
+    ends = np.array([[(1.9, 1.2), (1.9, 0.2)], [(0.5, 0.2), (2.6, 0.2)]])
+    stop = StopView(
+        0.2, 0.0, measured @ R, np.tile(spread, (4, 1, 1)), ("corner", "post", "centre", "post"),
+        ends[:, 0] @ R, np.tile(spread, (2, 1, 1)), np.array([np.pi / 2, 0.0]) - 0.2, ends @ R, views, views,
+    )  # fmt: skip
+    segments = (np.arange(SEGMENTS) + 0.5) / SEGMENTS
+
+    def in_view(points, at):
+        x, y = (points - at) @ R.T[0], (points - at) @ R.T[1]
+        return (np.arctan2(y, x) > -0.7) & (np.arctan2(y, x) < 0.5), np.hypot(x, y)
+
+    def expected(at):
+        seen, away = in_view(known.points, at)
+        chances = [np.interp(r, *DETECTED[kind]) for r, kind in zip(away, known.kinds, strict=True)] * seen
+        for axis, c, (low, high) in zip(known.axes, known.places, known.spans, strict=True):
+            centres = np.full((SEGMENTS, 2), c)
+            centres[:, 1 - axis] = low + (high - low) * segments
+            seen, away = in_view(centres, at)
+            length = np.mean(seen & (away > LINE_RANGE[0]) & (away < LINE_RANGE[1])) * (high - low)
+            chances = np.append(chances, np.interp(length, *DETECTED["line"]))
+        odds = np.maximum(chances, LEAST_DETECTED) / (1 - np.maximum(chances, LEAST_DETECTED))
+        total = np.log1p(-chances[[0, 1, 2, 4, 5]]).sum()  # the centre is not well known
+        for point, kind in zip(measured, stop.kinds, strict=True):
+            S = [spread + each + MAP_SIGMA**2 * np.eye(2) for each in known.covariances]
+            total += np.log1p(sum(
+                odds[j] * multivariate_normal.pdf(at + point, known.points[j], S[j]) / CLUTTER[kind]
+                for j in range(4) if known.kinds[j] == kind
+            ))  # fmt: skip
+        for i, axis in enumerate((0, 1)):
+            along, (low, high) = np.sort(at[1 - axis] + ends[i, :, 1 - axis]), known.spans[i]
+            beyond = max(low - along[0], 0.0) + max(along[1] - high, 0.0)
+            sd = np.sqrt(1e-3 + known.variances[i] + MAP_SIGMA**2)
+            density = norm.pdf(at[axis] + ends[i, 0, axis], known.places[i], sd) / CLUTTER["line"]
+            total += np.log1p(
+                odds[4 + i] * density * max(np.exp(-0.5 * (beyond / BEYOND_SIGMA) ** 2), BEYOND)
+            )
+        return total
+
+    at = np.array([(0.1, -0.1), (0.0, 0.0), (0.2, -0.3), (-0.6, -0.1)])
+    found = PositionLikelihood(stop, known, 0.2).log_likelihood(at)
+    assert found == pytest.approx([expected(each) for each in at], abs=1e-6)
+
+
+def test_a_fit_ends_at_a_maximum_of_the_likelihood_between_two_landmarks_that_disagree():
+    places, spread = np.array([(2.0, 0.0), (1.5, 0.8)]), np.tile(1e-3 * np.eye(2), (2, 1, 1))
+    nothing = np.zeros(0, dtype=int), np.zeros(0), np.zeros(0), np.zeros((0, 2))
+    known = KnownMap(places, spread, ("corner", "corner"), *nothing)
+    seen = observation([], (1e-4, 1e-4))
+    stop = replace(
+        StopView.of([LineObservation((), seen.covariance, 0.0, 0.01, seen.tilt, view=(-1.0, 1.0))]),
+        points=places + [(0.0, 0.0), (0.0, 0.3)], covariances=spread, kinds=("corner", "corner"),
+    )  # fmt: skip
+    likelihood = PositionLikelihood(replace(stop, heading_sigma=0.0), known, 0.0)
+    at = likelihood.fit(np.zeros((1, 2)))[0][0]
+    assert at == pytest.approx((0.0, -0.15), abs=1e-3)
+    assert likelihood.log_likelihood(at + [(0.0, 0.0), (0.0, 0.02), (0.0, -0.02)]).argmax() == 0
+
+
 def test_things_that_two_pictures_show_count_once_and_a_far_compass_not_at_all():
     def scene(*places: float, tilt: float) -> LineObservation:
-        lines = np.array([(x, 0.3, np.pi / 2) for x in places])
+        lines = np.array([(x, 0.3, np.pi / 2, 0.0, x) for x in places])
         return LineObservation((), np.zeros((0, 0)), 0.0, 0.01, tilt * np.eye(2), lines=lines)
 
     stop = StopView.of([scene(1.02, tilt=1e-3), scene(1.0, 1.5, tilt=1e-5)])
     assert sorted(stop.lines[:, 0]) == [1.0, 1.5]
+    assert np.allclose(stop.ends[:, 1, 1], 0.3 + stop.lines[:, 0])
     pose = Pose(1.0, 0.4, 0.2)
     one = pictures(pose)
     worse = replace(one, covariance=4 * one.covariance, direction=one.direction + 0.3, direction_sigma=0.02)
@@ -381,7 +462,7 @@ def map_and_stop(pose: Pose, places, order=slice(None)) -> tuple[KnownMap, StopV
     x, y, kinds = zip(*places, strict=True)
     known = KnownMap(
         np.column_stack([x, y])[order], np.tile(1e-6 * np.eye(2), (len(places), 1, 1)),
-        tuple(np.array(kinds)[order].tolist()), np.zeros(0, dtype=int), np.zeros(0), np.zeros(0),
+        tuple(np.array(kinds)[order].tolist()), np.zeros(0, dtype=int), np.zeros(0), np.zeros(0), np.zeros((0, 2)),
     )  # fmt: skip
     return known, StopView.of([pictures(pose, places)])
 
@@ -435,7 +516,7 @@ def test_a_filter_that_is_placed_keeps_its_map_which_is_its_points_and_lines(joi
     seen = pictures(pose)
     slam.observe(
         LineObservation(
-            seen.measurements, seen.covariance, 0.0, 1e-3, seen.tilt, lines=np.array([[*foot, np.pi / 2]]),
+            seen.measurements, seen.covariance, 0.0, 1e-3, seen.tilt, lines=np.array([[*foot, np.pi / 2, 0, 0]]),
             circle=Circle(pose.to_local(np.zeros((1, 2)))[0], np.zeros((2, 2))),
         )
     )  # fmt: skip

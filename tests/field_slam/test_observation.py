@@ -55,11 +55,14 @@ def test_a_covariance_is_independent_noise_and_a_common_tilt_which_a_part_keeps(
     alone, together = picture_covariance(measured, (0.0, 0.0)), picture_covariance(measured, (0.02, 0.0))
     assert np.allclose(alone, np.diag(np.diag(alone)))
     assert np.linalg.matrix_rank(together - alone, tol=1e-12) == 1
-    seen = as_observation(some(4))
+    seen = as_observation(some(3))
     assert np.allclose(seen.part([2, 0]).covariance[:2, 2:], seen.covariance[4:6, :2])
     by_mask = seen.part([True, False, True])
     assert list(by_mask) == [seen[0], seen[2]]
     assert np.array_equal(by_mask.covariance, seen.part([0, 2]).covariance)
+    assert list(seen.part(np.nonzero([1, 0, 1]))) == list(by_mask) and list(seen.part(-1)) == [seen[2]]
+    with pytest.raises(IndexError, match="boolean"):
+        seen.part([True, False])
     assert len(seen.part([])) == 0 and seen.part([]).covariance.shape == (0, 0)
 
 

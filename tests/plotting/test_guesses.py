@@ -39,6 +39,7 @@ def test_without_a_number_the_figure_stays_and_a_length_on_a_map_is_a_circle_aro
         drawn = with_guess(drawing(), guess(typed), "radius")
         ax = drawn.figure.axes[0]
         assert ax.patches[-1].radius == float(typed) and label_in(drawn) == label
+        assert "A dashed circle labelled" in drawn.alt
         assert np.array_equal(ax.axis(), (0, 10, 1, 100))
 
 

@@ -6,6 +6,7 @@ import re
 import threading
 import time
 
+import cv2
 import ipywidgets
 import numpy as np
 import pytest
@@ -231,9 +232,20 @@ def test_a_pixel_is_marked_over_its_picture_and_a_legend_says_what_colours_mean(
     height, width = NOISE.shape[:2]
     marked = [value[0] for value in ax.lines[-1].get_data()]
     assert marked == pytest.approx([1.5 * width / 4 - 0.5, 2.5 * height / 3 - 0.5])
+    nothing = FunctionPanel(
+        "None", lambda values, student: "no picture", [Pixel("pixel", "Pixel", (4, 3), (1, 2))]
+    )
+    assert "no picture" in nothing.drawing().alt
     panel = FunctionPanel("Two", lambda values, student: iter([NOISE, Legend({"a < b": "#ff0000"})]), [LEVEL])
     assert "a &lt; b" in panel._legend.value and "#ff0000" in panel._legend.value
     assert "a < b" in [text.get_text() for text in panel.drawing().figure.legends[0].get_texts()]
+
+
+def test_a_picture_with_opacity_is_sent_with_it_however_many_colours_it_has(rng):
+    pixels = rng.integers(0, 255, (20, 30, 4), dtype=np.uint8)
+    kind, data = encoded(pixels, False)
+    sent = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert kind == "png" and np.array_equal(sent[..., [2, 1, 0, 3]], pixels)
 
 
 @pytest.mark.parametrize(
@@ -241,7 +253,8 @@ def test_a_pixel_is_marked_over_its_picture_and_a_legend_says_what_colours_mean(
     [
         (None, "the function returned None"),
         (3.5, "a panel shows a picture, a Drawing, a table, a text"),
-        (np.zeros((4, 4)), "a picture must be uint8 of shape (H, W, 3) or (H, W)"),
+        (np.zeros((4, 4)), "a picture must be uint8 of shape (H, W, 3), (H, W, 4) or (H, W)"),
+        (np.zeros((4, 4, 2), dtype=np.uint8), "got uint8 (4, 4, 2)"),
     ],
 )
 def test_what_cannot_be_shown_is_a_sentence(shown, said):

@@ -24,6 +24,7 @@ AGAIN = Action("again", "Draw again", key="n")
         (ROW, 150.0, 150, "Row 150"),
         (LENS, False, False, "Lens off"),
         (PIXEL, (319.0, 0), (319, 0), "Pixel (319, 0)"),
+        (PIXEL, " (319, 0) ", (319, 0), "Pixel (319, 0)"),
         (AGAIN, 2, 2, "Draw again × 2"),
     ],
 )

@@ -23,21 +23,20 @@ Traces = Mapping[str, Sequence[FilterTrace]]
 def group_sheet() -> DerivationSheet:
     """Return a sheet for the heading's columns of T and H T (equation 7.11), beside the columns of the robot's x.
 
-    V of equation 7.10 stands in it to first order, which has the same derivatives at an error of 0.
+    V of equation 7.10 is left out, because it is the identity at an error of 0, and its derivative is multiplied by 0.
 
     Returns
     -------
     DerivationSheet
         Its rows are the true pose, a true landmark, and the bearing and range between them.
     """
-    from sympy import Matrix, atan2, cos, eye, sin, sqrt, symbols  # SymPy takes long to import
+    from sympy import Matrix, atan2, cos, sin, sqrt, symbols  # SymPy takes long to import
 
     x, y, theta, l_x, l_y = symbols("x y theta l_x l_y")
     errors = xi_x, xi_y, xi_theta, xi_lx, xi_ly = symbols("xi_x xi_y xi_theta xi_lx xi_ly")
     turn = Matrix([[cos(xi_theta), -sin(xi_theta)], [sin(xi_theta), cos(xi_theta)]])
-    V = eye(2) + Matrix([[0, -xi_theta], [xi_theta, 0]]) / 2
-    robot = turn * Matrix([x, y]) + V * Matrix([xi_x, xi_y])
-    landmark = turn * Matrix([l_x, l_y]) + V * Matrix([xi_lx, xi_ly])
+    robot = turn * Matrix([x, y]) + Matrix([xi_x, xi_y])
+    landmark = turn * Matrix([l_x, l_y]) + Matrix([xi_lx, xi_ly])
     dx, dy = landmark - robot
     heading = theta + xi_theta
     return derivation(

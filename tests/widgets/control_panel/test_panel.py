@@ -150,6 +150,14 @@ def test_the_map_shows_how_far_the_chosen_camera_sees():
     assert panel._screen.contents().view[2] == np.inf  # the horizon, or no ground
 
 
+def test_dead_reckoning_has_one_path_on_the_map_because_its_path_is_the_odometrys():
+    numbers = {
+        type(slam): len(ControlPanel(clean_nao(), slam=slam)._screen.contents().paths)
+        for slam in (DeadReckoning(), Recorder())
+    }
+    assert numbers == {DeadReckoning: 1, Recorder: 2}
+
+
 def test_measure_gets_the_picture_and_its_view_and_without_it_the_ideal_detector_measures():
     got = []
 
