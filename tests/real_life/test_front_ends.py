@@ -12,11 +12,10 @@ from nao_course.exercises.definitions import load_definitions
 from nao_course.exercises.earlier import resolved_by
 from nao_course.exercises.notebook_text import read_notebook, without_outputs
 from nao_course.exercises.outline import read_outline
-from nao_course.instructor.authoring.course import load_course
 from nao_course.instructor.authoring.plans import load_solution, publish, solutions_beside
 from nao_course.instructor.autograding.assignment import prepare
 from nao_course.instructor.autograding.grader import grade
-from nao_course.instructor.collecting.submissions import Submission, gather
+from nao_course.instructor.collecting.submissions import gather
 from nao_course.instructor.gradebook.scores import score
 from nao_course.instructor.reports.feedback import feedback_page
 from nao_course.instructor.similarity.comparing import Work, compare
@@ -190,24 +189,6 @@ def test_check_submission_grade_and_page_are_those_of_the_same_notebook(
     assert plain.notes == () and all(re.fullmatch(NOTES.get(name, "none"), each) for each in mine.notes)
     assert bool(mine.notes) == (name in NOTES)
     assert plain_page(mine) == plain_page(plain)
-
-
-@pytest.fixture(scope="module")
-def lesson_01():
-    return prepare(load_course(PROJECT), "01", chain.SECRET)
-
-
-@pytest.mark.slow
-@each_front_end
-def test_a_lesson_of_the_release_gets_all_points_and_its_answers(name, lesson_01, warm_server, tmp_path):
-    path = FRONT_ENDS[name].write(tmp_path, LESSONS[1], released("solutions", LESSONS[1]))
-    result = grade(Submission("ada", LESSONS[1], path, file=path.name), lesson_01, warm_server, "full")
-    assert result.earned == sum(each.points for each in result.exercises) > 0
-    assert all(each.text and not each.note for each in result.written)
-    if name == DOUBLED:
-        assert len(result.notes) == len(result.exercises)
-    else:
-        assert all(re.fullmatch(NOTES.get(name, "none"), each) for each in result.notes)
 
 
 LONGER = {

@@ -225,18 +225,10 @@ def _length(ax: Axes, start: tuple[float, float], end: tuple[float, float], colo
 
 
 @course_style()
-def draw_side(distance: float = 1.1, height: float = 0.48, post: float = 0.8, pitch: float = 0.26) -> Drawing:
-    """Draw from the side how a camera that looks down sees a goal post, with its image plane.
-
-    Parameters
-    ----------
-    distance : float
-        Distance on the ground from the camera to the post, in m.
-    height, post : float
-        Heights of the camera and of the post, in m.
-    pitch : float
-        Pitch of the camera in rad, positive downwards.
-    """
+def draw_side() -> Drawing:
+    """Draw from the side how a camera that looks down sees a goal post, with its image plane."""
+    distance, height, post = 1.1, 0.48, 0.8  # m, of the post and of both heights
+    pitch = 0.26  # rad, downwards
     camera, along = np.array([0.0, height]), np.array([np.cos(pitch), -np.sin(pitch)])
     truth, axis = STYLES["truth"].colour, STYLES["odometry"].colour
     ends = {"foot": np.array([distance, 0.0]), "top": np.array([distance, post])}

@@ -27,6 +27,7 @@ from nao_course.plotting.style import GREY, style_of
 from nao_course.sim import Reality
 
 # The counts of the lesson's solution in eight pictures of a real NAO; a test compares both.
+BEHIND = 0.7  # m of carpet behind the goal line
 REAL = dict(zip(STEPS, (10, 10, 10, 7, 0), strict=True))
 
 
@@ -157,9 +158,7 @@ def goal_line_left(
 
 
 @course_style()
-def draw_goal_line(
-    distances: npt.ArrayLike, left: Mapping[int, Sequence[float]], behind: float = 0.7
-) -> Drawing:
+def draw_goal_line(distances: npt.ArrayLike, left: Mapping[int, Sequence[float]]) -> Drawing:
     """Draw how much of the goal line survives erasing at each distance, and the limit from equation 3.2.
 
     Parameters
@@ -168,8 +167,6 @@ def draw_goal_line(
         Distance of the line from the point below the camera, metres.
     left : mapping of int to sequence of float
         The fractions that `goal_line_left` returns, by run; the key 0 has those without erasing.
-    behind : float
-        Length of the carpet behind the line, metres.
     """
     far = np.arange(0.5, 20.0, 0.01)
     words = []
@@ -188,7 +185,7 @@ def draw_goal_line(
         if not run:
             words.append(f"without erasing: {half:.1f} m")
             continue
-        end = float(far[rows_between(far, behind) < run][0])
+        end = float(far[rows_between(far, BEHIND) < run][0])
         ax.axvline(end, color=style.colour, ls=":", lw=1.8)
         ax.annotate(f" equation 3.2:\n {end:.1f} m", (end, 1.1), fontsize=9, color=style.colour)
         words.append(f"run of {run}: {half:.1f} m measured, {end:.1f} m by equation 3.2")

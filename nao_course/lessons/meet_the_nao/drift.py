@@ -12,14 +12,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nao_course._internal.counts import say_count
-from nao_course.geometry import FloatArray, Pose
+from nao_course.geometry import FloatArray
 from nao_course.plotting.drawing import Drawing, say_place
 from nao_course.plotting.ellipses import ellipse_outlines, filled_outlines
 from nao_course.plotting.legends import legend_below, source_key
-from nao_course.plotting.maps import metric_axes, plot_field
+from nao_course.plotting.maps import metric_axes
 from nao_course.plotting.paths import PathLike, as_path, plot_path
 from nao_course.plotting.style import STYLES, YELLOW, course_style
-from nao_course.sim import Field, OdometryNoise, repeat_drive
+from nao_course.sim import OdometryNoise, repeat_drive
 from nao_course.slam import Motion
 
 if TYPE_CHECKING:
@@ -94,12 +94,7 @@ def draw_growth(drives: Mapping[str, Sequence[Motion]], seed: int, title: str | 
 
 @course_style()
 def draw_drift(
-    paths: npt.ArrayLike,
-    field: Field | None = None,
-    *,
-    start: Pose | None = None,
-    commanded: PathLike | None = None,
-    title: str | None = None,
+    paths: npt.ArrayLike, *, commanded: PathLike | None = None, title: str | None = None
 ) -> Drawing:
     """Draw the paths of robots that got the same commands.
 
@@ -107,10 +102,6 @@ def draw_drift(
     ----------
     paths : array_like, shape (N, M + 1, 3)
         Poses of each robot, as returned by `nao_course.sim.repeat_drive`.
-    field : Field, optional
-        Field that is drawn below the paths.
-    start : Pose, optional
-        Pose of the paths' origin in the field frame.
     commanded : Pose, sequence of Pose, or array_like of shape (M + 1, 2) or (M + 1, 3), optional
         Poses that the commands lead to without errors, from the same origin. This is each robot's odometry.
     title : str, optional
@@ -131,39 +122,33 @@ def draw_drift(
         raise ValueError(
             f"paths must have shape (robots, steps + 1, 3), with at least one robot; got {array.shape}"
         )
-    origin = start or Pose()
-    robots, ends = len(array), origin.to_parent(array[:, -1, :2])
+    robots, ends = len(array), array[:, -1, :2]
     planned = None if commanded is None else as_path(commanded, "commanded")
     truth = STYLES["truth"]
     keys: list[Artist] = [
         Line2D([], [], color=truth.colour, lw=0.9, marker="o", ms=5, label="true paths, ends")
     ]
-    figure = Figure(figsize=(6.0, 6.4) if field is None or field.half else (9.2, 6.6))
+    figure = Figure(figsize=(6.0, 6.4))
     ax = figure.add_subplot()
-    everywhere = origin.to_parent(array[:, :, :2].reshape(-1, 2))
-    metric_axes(ax, everywhere, margin=0.4)
-    if field is None:
-        ax.grid(color="#e3e5e8")
-    if field is not None:
-        plot_field(field, ax)
+    metric_axes(ax, array[:, :, :2].reshape(-1, 2), margin=0.4)
+    ax.grid(color="#e3e5e8")
     for path in array:
-        ax.plot(*origin.to_parent(path[:, :2]).T, color=truth.colour, lw=0.9, alpha=0.4, zorder=4)
+        ax.plot(*path[:, :2].T, color=truth.colour, lw=0.9, alpha=0.4, zorder=4)
     ax.plot(*ends.T, truth.marker, color=truth.colour, ms=5, mec="white", mew=0.7, zorder=5)
     if robots >= 3:
         outline = ellipse_outlines(ends.mean(axis=0), np.cov(ends.T)[None])
         ax.add_collection(filled_outlines(outline, truth.colour))
         keys.append(Patch(facecolor="#d4d4d4", edgecolor=truth.colour, label="95 % of the ends"))
     if planned is not None and len(planned):
-        placed = np.column_stack([origin.to_parent(planned[:, :2]), planned[:, 2] + origin.theta])
-        plot_path(placed, ax, "odometry")
+        plot_path(planned, ax, "odometry")
         keys.append(source_key("odometry", "odometry of each robot"))
-    ax.plot(origin.x, origin.y, "*", color=YELLOW, mec="black", ms=13, zorder=7)
+    ax.plot(0.0, 0.0, "*", color=YELLOW, mec="black", ms=13, zorder=7)
     keys.append(Line2D([], [], color=YELLOW, marker="*", mec="black", ms=12, ls="", label="start"))
-    legend_below(figure, keys, columns=2 if field is None or field.half else 4)
+    legend_below(figure, keys, columns=2)
     ax.set_title(title or "")
     words = _say_ends(ends, title or "Drift", array.shape[1] - 1)
     if planned is not None and len(planned):
-        words += f" The odometry of each robot ends at {say_place(placed[-1])}."
+        words += f" The odometry of each robot ends at {say_place(planned[-1])}."
     return Drawing(figure, words)
 
 

@@ -50,24 +50,20 @@ def plot_footprint(
 
 
 @course_style()
-def draw_cameras(nao: SimulatedNao, size: tuple[int, int] = (320, 240), title: str | None = None) -> Drawing:
+def draw_cameras(nao: SimulatedNao) -> Drawing:
     """Draw the pictures of both cameras and the part of the ground that each of them sees.
 
     Parameters
     ----------
     nao : SimulatedNao
         Robot that takes a picture with each camera, which uses its random numbers.
-    size : (int, int)
-        Width and height of the pictures, in pixels.
-    title : str, optional
-        Title of the figure.
 
     Returns
     -------
     Drawing
         The figure.
     """
-    pictures = {camera: nao.take_picture(camera, size) for camera in ("top", "bottom")}
+    pictures = {camera: nao.take_picture(camera) for camera in ("top", "bottom")}
     reach = 4.0
     figure = Figure(figsize=(9.8, 6.2))
     grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.32))
@@ -98,14 +94,12 @@ def draw_cameras(nao: SimulatedNao, size: tuple[int, int] = (320, 240), title: s
         for camera, colour in _CAMERA_COLOURS.items()
     ]
     legend_below(figure, keys)
-    if title:
-        figure.suptitle(title, fontweight="bold", fontsize=12, x=0.01, ha="left")
     yaw, pitch = nao.head
     words = [
         f"Both cameras with the head at yaw {say_angle(yaw)}, pitch {say_angle(pitch)} (positive is down)."
     ]
     words += [say_footprint(camera, picture.view) for camera, picture in pictures.items()]
-    return Drawing(figure, " ".join([f"{title}.", *words] if title else words), photo=True)
+    return Drawing(figure, " ".join(words), photo=True)
 
 
 def say_footprint(camera: str, view: CameraView) -> str:

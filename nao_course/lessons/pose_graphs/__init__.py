@@ -11,7 +11,6 @@ __all__, __getattr__, __dir__ = import_when_asked(
             "draw_relaxing",
             "draw_step",
             "drift_that_climbs",
-            "false_world",
             "relaxed",
         ),
         "guesses": ("HEADINGS", "arrivals", "draw_arrivals", "half_of_them"),

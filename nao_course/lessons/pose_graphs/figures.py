@@ -17,7 +17,7 @@ from nao_course._internal.counts import say_count
 from nao_course.datasets.intel import FILE, intel_graph
 from nao_course.geometry import FloatArray
 from nao_course.graphs import Graph
-from nao_course.lessons.pose_graphs.robust import CLOSURE, robust_gauss_newton
+from nao_course.lessons.pose_graphs.robust import CLOSURE
 from nao_course.lessons.pose_graphs.worlds import (
     World,
     building,
@@ -33,6 +33,7 @@ from nao_course.plotting.style import FOUND, GREY, style_of
 Function = Callable[..., Any]
 GaussNewton = Callable[[Graph, FloatArray, int], tuple[FloatArray, FloatArray]]
 
+SEED = 5  # of the building
 _TRUTH = Line2D([], [], color=STYLES["truth"].colour, lw=1.2, alpha=0.45, label="true path")
 _CLOSURES = Line2D([], [], color=CLOSURE, lw=1.4, label="closure")
 _LANDMARKS = [
@@ -90,9 +91,9 @@ def say_chi2(value: float) -> str:
     return f"{value:,.0f}" if value >= 1000 else f"{value:.1f}" if value >= 10 else f"{value:.2g}"
 
 
-def relaxed(world: World, gauss_newton: GaussNewton, iterations: int, states: Any = None) -> list[FloatArray]:
-    """Return the states before the first step and after each step, starting from odometry or from `states`."""
-    every = [world.odometry if states is None else np.asarray(states, dtype=float)]
+def relaxed(world: World, gauss_newton: GaussNewton, iterations: int) -> list[FloatArray]:
+    """Return the states before the first step and after each step, starting from odometry."""
+    every = [world.odometry]
     for _ in range(iterations):
         found, _ = gauss_newton(world.graph, every[-1].copy(), 1)
         every.append(np.asarray(found, dtype=float))
@@ -100,25 +101,9 @@ def relaxed(world: World, gauss_newton: GaussNewton, iterations: int, states: An
 
 
 @course_style()
-def draw_relaxing(
-    gauss_newton: GaussNewton, seed: int = 5, iterations: Sequence[int] = (0, 1, 2, 4)
-) -> Drawing:
-    """Draw how a drive through a building relaxes, step by step, with the student's function.
-
-    Parameters
-    ----------
-    gauss_newton : callable
-        Exercise 9.6.
-    seed : int
-        Seed of `building`.
-    iterations : sequence of int
-        Numbers of steps to show.
-
-    Returns
-    -------
-    Drawing
-    """
-    world = building(seed)
+def draw_relaxing(gauss_newton: GaussNewton) -> Drawing:
+    """Draw how a drive through a building relaxes, step by step, with the student's function of exercise 9.6."""
+    world, iterations = building(SEED), (0, 1, 2, 4)
     every = relaxed(world, gauss_newton, max(iterations))
     chi2 = gauss_newton(world.graph, world.odometry.copy(), max(iterations))[1]
     said = []
@@ -140,29 +125,13 @@ def draw_relaxing(
     )
 
 
-def false_world(seed: int = 5, count: int = 1) -> World:
-    """Return the building with false closures."""
-    return with_false_closures(building(seed), count, seed=2)
-
-
-def draw_false_closure(
-    gauss_newton: GaussNewton, reweight: Function | None = None, width: float = 3.0
-) -> Drawing:
-    """Draw the building without a false closure, with one, and with edges that are reweighted at each step."""
-    clean, world = false_world(count=0), false_world()
+def draw_false_closure(gauss_newton: GaussNewton) -> Drawing:
+    """Draw the building without a false closure and with one."""
+    clean, world = (with_false_closures(building(SEED), count, seed=2) for count in (0, 1))
     panels = [
         ("all closures true", clean, relaxed(clean, gauss_newton, 8)[-1], 0),
         ("one false closure added", world, relaxed(world, gauss_newton, 8)[-1], 1),
     ]
-    if reweight is not None:
-        panels.append(
-            (
-                "with weights",
-                world,
-                robust_gauss_newton(gauss_newton, reweight, world.graph, world.odometry, width),
-                1,
-            )
-        )
     return _side_by_side(panels, "A drive through a building")
 
 
@@ -212,25 +181,10 @@ def chi2_along(
 
 @course_style()
 def draw_step(
-    linearize: Function,
-    gauss_newton: GaussNewton,
-    pose_residual: Function,
-    landmark_residual: Function,
-    drifts: Sequence[float] = (30.0, 90.0),
+    linearize: Function, gauss_newton: GaussNewton, pose_residual: Function, landmark_residual: Function
 ) -> Drawing:
-    """Draw chi2 along the first step around a loop: predicted by the linear system, and true.
-
-    Parameters
-    ----------
-    linearize, gauss_newton, pose_residual, landmark_residual : callable
-        The student's.
-    drifts : sequence of float
-        Drift of the odometry's heading on the whole loop, degrees.
-
-    Returns
-    -------
-    Drawing
-    """
+    """Draw chi2 along the first step around a loop: predicted by the linear system, and true."""
+    drifts = (30.0, 90.0)  # of the odometry's heading on the whole loop, degrees
     parts, said = np.linspace(0.0, 1.25, 51), []
     figure = Figure(figsize=(12.0, 4.4))
     *curves, map_ax = figure.subplots(1, len(drifts) + 1, width_ratios=(*(1.0 for _ in drifts), 1.25))

@@ -33,12 +33,7 @@ TRUE_COLOUR, FALSE_COLOUR = CLOSURE, FOUND
 
 
 def robust_gauss_newton(
-    gauss_newton: GaussNewton,
-    reweight: Reweight,
-    graph: Graph,
-    states: FloatArray,
-    width: float = WIDTH,
-    iterations: int = ROBUST_ITERATIONS,
+    gauss_newton: GaussNewton, reweight: Reweight, graph: Graph, states: FloatArray
 ) -> FloatArray:
     """Compute a weight for each edge from its error and take one step of Gauss-Newton, again and again.
 
@@ -50,23 +45,19 @@ def robust_gauss_newton(
         Some of its edges may be false.
     states : ndarray, shape (graph.size,)
         Initial estimate. A kernel finds a map near it, so odometry is better than a bent map.
-    width : float
-        Width of the kernel, in standard deviations.
-    iterations : int
-        Number of steps.
 
     Returns
     -------
     ndarray, shape (graph.size,)
     """
-    for _ in range(iterations):
-        states, _ = gauss_newton(reweight(graph, states, width), states, 1)
+    for _ in range(ROBUST_ITERATIONS):
+        states, _ = gauss_newton(reweight(graph, states, WIDTH), states, 1)
     return states
 
 
-def edge_weights(reweight: Reweight, graph: Graph, states: FloatArray, width: float = WIDTH) -> FloatArray:
+def edge_weights(reweight: Reweight, graph: Graph, states: FloatArray) -> FloatArray:
     """Return the weight of each edge at these states: (E,), from 0 to 1."""
-    left: FloatArray = reweight(graph, states, width).information[:, 0, 0] / graph.information[:, 0, 0]
+    left: FloatArray = reweight(graph, states, WIDTH).information[:, 0, 0] / graph.information[:, 0, 0]
     return left
 
 

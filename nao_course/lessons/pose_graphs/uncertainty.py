@@ -46,23 +46,11 @@ def blocks_at(
 
 @course_style()
 def draw_uncertainty(
-    linearize: Function, gauss_newton: GaussNewton, marginal_covariances: Function, every: int = 17
+    linearize: Function, gauss_newton: GaussNewton, marginal_covariances: Function
 ) -> Drawing:
-    """Draw ellipses of 95 % along a drive through a building, by its odometry and with its closures.
-
-    Parameters
-    ----------
-    linearize, gauss_newton, marginal_covariances : callable
-        The student's.
-    every : int
-        Number of poses from one ellipse to the next.
-
-    Returns
-    -------
-    Drawing
-    """
+    """Draw ellipses of 95 % along a drive through a building, by its odometry and with its closures."""
     world = building(5)
-    numbers = np.arange(every, world.graph.poses, every)
+    numbers = np.arange(17, world.graph.poses, 17)
     alone = without_closures(world.graph)
     solved = gauss_newton(world.graph, world.odometry.copy(), 6)[0]
     said = []

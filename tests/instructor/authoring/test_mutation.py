@@ -10,6 +10,7 @@ from nao_course.instructor.authoring import mutation
 from nao_course.instructor.authoring.mutation import make_mutants, mutate, show
 from nao_course.instructor.sandbox.protocol import Allowance
 from tests.toy import pair, toy
+from tests.toy.course import run
 
 SOURCE = '''
 def f(x: int | None, k=0) -> "a | b":
@@ -121,9 +122,15 @@ def test_a_mutant_that_is_said_to_be_right_is_counted_apart_unless_a_case_speaks
     assert few.equivalents == report.equivalents and few.caught()[2] < report.caught()[2] / 2
 
 
-def test_mutants_of_a_class_and_of_what_uses_an_earlier_lesson_are_caught(tmp_path):
+def test_mutants_of_a_class_and_of_what_uses_an_earlier_lesson_are_caught(tmp_path, monkeypatch):
     course = pair.make_course(tmp_path)
     report = mutate("81", jobs=2, solutions=course.solutions, seeds=[1])
     for name in ("Walker", "quadruple", "walk"):
         hidden, _, total = report.caught(name)
         assert hidden / total > 0.7 and total > 2, name
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(mutation, "mutate", lambda lesson, jobs: {("81", 3): report}[lesson, jobs])
+    result = run("mutate", "81", "--jobs", "3")
+    assert result.exit_code == 0 and re.search(r"Walker .*%", result.output), result.output
+    course.text(pair.SECOND).write_text("# edited")
+    assert "was edited" in run("mutate", "81").output

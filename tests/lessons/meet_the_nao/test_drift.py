@@ -14,7 +14,7 @@ AHEAD = [Motion(1.0, 0.0)] * 16
 
 def drift():
     paths = repeat_drive([Motion(0.5, 0.3)] * 2, 5, np.random.default_rng(1))
-    return draw_drift(paths, Field(), commanded=paths[0])
+    return draw_drift(paths, commanded=paths[0])
 
 
 @pytest.mark.slow

@@ -145,9 +145,7 @@ def _framed(
     return framed, (size[0] / frame[0], size[1] / frame[1])
 
 
-def view_from_points(
-    pixels: npt.ArrayLike, points: npt.ArrayLike, hfov: float, size: tuple[int, int] = SIZE
-) -> tuple[CameraView, Pose]:
+def view_from_points(pixels: npt.ArrayLike, points: npt.ArrayLike, hfov: float) -> tuple[CameraView, Pose]:
     """Find where a camera is and how it looks, from points of the ground whose places are known.
 
     Parameters
@@ -158,8 +156,6 @@ def view_from_points(
         Where they are, metres.
     hfov : float
         Horizontal field of view, rad; the pixels are square, and there is no lens term.
-    size : (int, int)
-        Of the picture.
 
     Returns
     -------
@@ -178,7 +174,7 @@ def view_from_points(
         raise ValueError(
             f"at least four pixels and as many points are needed, got {len(seen)} and {len(known)}"
         )
-    guess = CameraView.from_fov(size, hfov, height=1.0, pitch=0.0)
+    guess = CameraView.from_fov(SIZE, hfov, height=1.0, pitch=0.0)
     matrix = np.array(
         [[guess.focal[0], 0, guess.centre[0]], [0, guess.focal[1], guess.centre[1]], [0, 0, 1.0]]
     )
@@ -199,7 +195,7 @@ def view_from_points(
     yaw, pitch, roll = yaw_pitch_roll((_FROM_OPENCV @ to_camera).T)
     if place[2] <= 0 or not _seen_again(to_camera, shift, matrix, there, seen):
         raise ValueError(wrong)
-    view = CameraView(size, guess.hfov, guess.vfov, float(place[2]), pitch, roll=roll)
+    view = CameraView(SIZE, guess.hfov, guess.vfov, float(place[2]), pitch, roll=roll)
     return view, Pose(float(place[0]), float(place[1]), yaw)
 
 
