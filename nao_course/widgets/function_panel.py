@@ -53,6 +53,7 @@ _CSS = """
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 330px), 1fr)); }
 .nao-function .nao-sliders .widget-slider { width: 100%; min-width: 0; height: 26px; margin: 0; }
 .nao-function .nao-sliders .widget-label { width: 130px; }
+.nao-function .nao-sliders :is(.widget-label, .widget-readout) { height: 26px; line-height: 26px; }
 .nao-function .noUi-handle:focus { outline: 2px solid var(--nao-mark, #0b5fa5); outline-offset: 2px; }
 .nao-function .nao-scores table { border-collapse: collapse; font-size: 13px; line-height: 22px; margin: 0; }
 .nao-function .nao-scores th, .nao-function .nao-scores td { padding: 1px 6px; text-align: right; }

@@ -99,6 +99,13 @@ def test_a_film_follows_the_theme(in_notebook):
     screenshot(in_notebook.page, "film_dark", in_notebook)
 
 
+def test_a_film_takes_a_theme_whose_style_sheet_came_late_when_its_tab_is_seen_again(on_a_page):
+    light = painted(on_a_page)
+    on_a_page.page.evaluate("document.body.style.color = 'white'")
+    on_a_page.page.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
+    assert wait_for(lambda: painted(on_a_page) != light, seconds=20)
+
+
 def test_a_film_plays_on_a_page_of_its_own(on_a_page):
     plays_steps_and_scrubs(on_a_page, 20)
     screenshot(on_a_page.page, "film_page", on_a_page)

@@ -30,6 +30,7 @@ _MEASURE = """root => {
     outside: shown.filter(each => { const box = each.getBoundingClientRect();
       return box.right > cell.right + 1 || box.left < cell.left - 1; }).map(each => each.className),
     scrolled: shown.filter(scrolls).map(each => each.className),
+    bar: (output => output.scrollHeight > output.clientHeight)(root.closest('.jp-OutputArea-output')),
     words: root.innerText,
   };
 }"""
@@ -60,6 +61,8 @@ def test_every_panel_is_on_one_screen_with_large_pictures_and_nothing_sticks_out
                 wrong.append(f"{where}its pictures, {widths} px, leave much of {seen['cell']:.0f} px empty")
             if seen["outside"] or seen["scrolled"]:
                 wrong.append(f"{where}outside {seen['outside']}, scrolled {seen['scrolled']}")
+            if seen["bar"]:
+                wrong.append(f"{where}its output has a scroll bar, which hides a pixel or more")
     assert not wrong, "\n".join(wrong)
 
 

@@ -33,7 +33,7 @@ const NaoMap = (() => {
     return 0.299 * parts[0] + 0.587 * parts[1] + 0.114 * parts[2] > 140;
   };
 
-  // A theme's style sheet may arrive after its name.
+  // A theme's style sheet may arrive after its name, and in a hidden tab much later.
   const onTheme = (element, redraw) => {
     let dark = isDark(element);
     const look = () => { if (isDark(element) !== dark) { dark = !dark; redraw(); } };
@@ -43,7 +43,12 @@ const NaoMap = (() => {
       observer.observe(each, { attributes: true, attributeFilter: ["class", "data-theme", "data-jp-theme-light", "data-jp-theme-name"] });
     const query = matchMedia("(prefers-color-scheme: dark)");
     query.addEventListener("change", later);
-    return () => { observer.disconnect(); query.removeEventListener("change", later); };
+    document.addEventListener("visibilitychange", later);
+    return () => {
+      observer.disconnect();
+      query.removeEventListener("change", later);
+      document.removeEventListener("visibilitychange", later);
+    };
   };
 
   // --- shapes ---
