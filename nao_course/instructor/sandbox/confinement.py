@@ -156,6 +156,7 @@ def narrow_view(paths: Iterable[str]) -> None:
 
     The process must be in a PID namespace of its own, too: it gets its own /proc.
     """
+    os.umask(0o022)  # another user enters the folders that are made here
     linux.mount("none", "/", flags=linux.MS_REC | linux.MS_PRIVATE)
     devices = [f"/dev/{name}" for name in ("null", "urandom", "random")]  # zero: shared memory
     paths = list(paths)

@@ -1,5 +1,6 @@
 """A level is all of its layers, and what is missing on a machine is named with its reason."""
 
+import os
 import subprocess
 import sys
 
@@ -58,6 +59,16 @@ def test_both_ends_can_be_imported_where_there_is_no_linux():
         code = f"import sys, nao_course.exercises; sys.platform = 'darwin'; import {named}; print(1)"
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=PROJECT)
         assert done.stdout == "1\n", done.stderr
+
+
+@linux
+def test_a_private_umask_takes_no_layer_away():
+    before = os.umask(0o077)
+    try:
+        found = probe.__wrapped__()
+    finally:
+        os.umask(before)
+    assert found == probe()
 
 
 @linux
