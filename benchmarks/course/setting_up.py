@@ -1,8 +1,8 @@
 """Time of ``make lab`` in a new clone, until JupyterLab could start, and of its first release, before and now.
 
-``python -m benchmarks setting_up`` takes 20 minutes, nearly all for the release of the build before. It downloads the
-locked packages twice, into empty caches. Seconds are of the clock, because a processor waits for the network and the
-disk here.
+``python -m benchmarks setting_up`` takes long, because the build before proves all lessons for its first release. It
+downloads the locked packages twice, into empty caches. Seconds are of the clock, because a processor waits for the
+network and the disk here.
 """
 
 from __future__ import annotations
@@ -15,9 +15,7 @@ import time
 from pathlib import Path
 
 from benchmarks import Result
-from benchmarks.course.waiting import compared, module_seconds
-
-HOUR = 3600.0
+from benchmarks.course.waiting import HOUR, compared, module_seconds
 
 
 def measure(root: Path) -> dict[str, float]:

@@ -9,9 +9,8 @@ import re
 from pathlib import Path
 
 from benchmarks import Result
-from benchmarks.course.waiting import compared, module_seconds
+from benchmarks.course.waiting import HOUR, compared, module_seconds
 
-HOUR = 3600.0
 QUICK_TIER = ("-n", "2", "-p", "no:nbval", "-q", "-m", "not slow and not browser")
 LESSON = "07_ekf_slam"
 BUILD = ("nao_course.cli", "build", LESSON, "--no-execute")  # the older commit knows nothing shorter
