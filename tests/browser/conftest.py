@@ -22,7 +22,7 @@ def running_lab(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def lab(running_lab):
-    """A JupyterLab in which a module's tests find nothing open."""
+    """A JupyterLab in which a module's tests find nothing open and nothing saved."""
     yield running_lab
     running_lab.close_notebooks()
 
