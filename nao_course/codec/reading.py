@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,13 +23,7 @@ from nao_course.codec.format import (
 from nao_course.codec.registry import find_function, find_type
 
 
-def decode(
-    frame: bytes | bytearray,
-    limits: Limits | None = None,
-    *,
-    trusted: bool = False,
-    omitted: Collection[str] = (),
-) -> Any:
+def decode(frame: bytes | bytearray, limits: Limits | None = None, *, trusted: bool = False) -> Any:
     """Decode a frame.
 
     Parameters
@@ -40,9 +34,6 @@ def decode(
         Limits for its size.
     trusted : bool
         Whether modules of this package may be imported to find the registered types and functions of the frame.
-    omitted : collection of str
-        Attributes of registered objects that are not decoded; each is an empty list. This saves most of the time if
-        they hold most of the values.
 
     Returns
     -------
@@ -60,7 +51,7 @@ def decode(
     if len(frame) != start + body_length:
         raise CodecError(f"a frame of {len(frame)} bytes that says it has {start + body_length}")
     try:
-        reader = _Reader(memoryview(frame)[start:], limits, trusted, omitted)
+        reader = _Reader(memoryview(frame)[start:], limits, trusted)
         value = reader.value(json.loads(str(frame[PREFIX_SIZE:start], "ascii")), 0)
     except CodecError:
         raise
@@ -72,8 +63,8 @@ def decode(
 
 
 class _Reader:
-    def __init__(self, body: memoryview, limits: Limits, trusted: bool, omitted: Collection[str]) -> None:
-        self.body, self.limits, self.trusted, self.omitted = body, limits, trusted, omitted
+    def __init__(self, body: memoryview, limits: Limits, trusted: bool) -> None:
+        self.body, self.limits, self.trusted = body, limits, trusted
         self.at, self.count = 0, 0
 
     def value(self, node: Any, depth: int) -> Any:
@@ -112,24 +103,7 @@ class _Reader:
 
     def registered(self, node: dict[str, Any], depth: int) -> Any:
         found = find_type(_string(node["o"]), trusted=self.trusted)
-        values = {
-            key: self.pass_over(each) if key in self.omitted else self.value(each, depth)
-            for key, each in node["v"].items()
-        }
-        return found.cls(**values)
-
-    def pass_over(self, node: Any) -> list[Any]:
-        """Skip the buffers of a value, and return an empty list in its place."""
-        parts: Iterable[Any] = node if type(node) is list else ()
-        if type(node) is dict:
-            named = node.get("d", node.get("v"))  # a dict's or an object's values by their names
-            if named is None and "b" in node:
-                self.take(node["b"])
-            else:
-                parts = (node if named is None else named).values()
-        for each in parts:
-            self.pass_over(each)
-        return []
+        return found.cls(**{key: self.value(each, depth) for key, each in node["v"].items()})
 
     def mapping(self, node: dict[str, Any], depth: int) -> dict[Any, Any]:
         pairs = [_pair(each) for each in _list(node["m"])]

@@ -10,10 +10,9 @@ import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stderr
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from html import escape
 from importlib import resources
-from itertools import count
 from textwrap import indent
 from types import CodeType
 from typing import Any
@@ -24,7 +23,7 @@ from nao_course.codec import Limits, decode, encode
 from nao_course.exercises import judging, running
 from nao_course.exercises.asking import ask, reply
 from nao_course.exercises.comparisons.comparison import with_article
-from nao_course.exercises.earlier import Calls, CallsWhenNeeded, split_use, watching
+from nao_course.exercises.earlier import Calls, split_use, watching
 from nao_course.exercises.exercise import PublicExercise, PublicLesson, Sibling
 from nao_course.exercises.failed_cells import FAILED_CELLS
 from nao_course.exercises.judging import AT_FAULT, Report, explain, with_the_reason
@@ -41,24 +40,19 @@ from nao_course.exercises.trying import (
 
 _SECONDS_FOR_A_REASON = 2.0  # wall clock for a case of another exercise that the report mentions
 _DATA = "checks"
-_CALLS = ("earlier",)  # of an exercise; read when needed
+_WHEN_NEEDED = ("cases", "mistakes", "pairs", "earlier")  # of an exercise: most of a lesson's data
 
 
 class CheckFailed(AssertionError):  # noqa: N818 - it reads as a sentence in a traceback
     """Raised by a failed check in tests and under nbgrader."""
 
 
-def read_public(name: str, omitted: tuple[str, ...] = _CALLS) -> PublicLesson:
+def read_public(name: str) -> PublicLesson:
     """Read the checks' data of a lesson such as "01_hsl_filtering"; raise a ValueError if there is no such lesson."""
     there = lessons()
     if name not in there:
         raise ValueError(f"there is no lesson {name!r} with checks; choose one of {there}")
-    return _read(name, zlib.crc32(_data(name)), omitted)
-
-
-def read_summary(name: str) -> PublicLesson:
-    """Read a lesson's data without cases and mistakes, which are most of it."""
-    return read_public(name, (*_CALLS, "cases", "mistakes", "pairs"))
+    return _read(name, zlib.crc32(_data(name)))
 
 
 def _data(name: str) -> bytes:
@@ -67,15 +61,10 @@ def _data(name: str) -> bytes:
 
 
 @lru_cache(maxsize=32)  # `progress` calls it several times for each lesson
-def _read(name: str, checksum: int, omitted: tuple[str, ...]) -> PublicLesson:
-    """Read a lesson's data without the recorded calls, which are rarely needed and are read then."""
-    lesson = unpack(_data(name), omitted)
-
-    def with_calls(number: int, exercise: PublicExercise) -> PublicExercise:
-        calls = CallsWhenNeeded(lambda: unpack(_data(name)).exercises[number].earlier)
-        return replace(exercise, earlier=calls)
-
-    return replace(lesson, exercises=list(map(with_calls, count(), lesson.exercises)))
+def _read(name: str, checksum: int) -> PublicLesson:
+    """Read a lesson's data; what only a check needs is decoded when a check needs it."""
+    lesson, parts = _opened(_data(name))
+    return _with_parts(lesson, parts, _WhenNeeded)
 
 
 def lessons() -> list[str]:
@@ -85,18 +74,60 @@ def lessons() -> list[str]:
 
 
 def pack(lesson: PublicLesson) -> bytes:
-    """Encode a lesson's public data as the bytes of its file."""
-    return zlib.compress(encode(lesson), 9)
+    """Encode a lesson's public data as the bytes of its file, which holds the large parts of each exercise apart."""
+    parts = [{name: _packed(list(getattr(each, name))) for name in _WHEN_NEEDED} for each in lesson.exercises]
+    return _packed([_with_parts(lesson, parts, lambda _: []), parts])
 
 
-def unpack(data: bytes, omitted: Collection[str] = ()) -> PublicLesson:
-    """Decode a lesson's public data from the bytes of its file; `omitted` attributes of exercises are left empty."""
-    frame = zlib.decompressobj().decompress(data, 64 * 2**20)
+def unpack(data: bytes) -> PublicLesson:
+    """Decode a lesson's public data from the bytes of its file."""
+    return _with_parts(*_opened(data), _value)
+
+
+def _opened(data: bytes) -> tuple[PublicLesson, list[dict[str, bytes]]]:
+    """Return a lesson without the large parts of its exercises, and these parts by their names, packed."""
+    match _value(data):
+        case [PublicLesson() as lesson, parts]:
+            return lesson, parts
+    raise ValueError("not a lesson's check data")
+
+
+def _with_parts(
+    lesson: PublicLesson, parts: list[dict[str, bytes]], read: Callable[[bytes], Any]
+) -> PublicLesson:
+    """Return a lesson whose exercises have the large parts that `read` makes of their bytes."""
+    exercises = [
+        replace(each, **{name: read(packed) for name, packed in own.items()})
+        for each, own in zip(lesson.exercises, parts, strict=True)
+    ]
+    return replace(lesson, exercises=exercises)
+
+
+def _packed(value: Any) -> bytes:
+    return zlib.compress(encode(value), 9)
+
+
+def _value(packed: bytes) -> Any:
+    frame = zlib.decompressobj().decompress(packed, 64 * 2**20)
     # The file is part of this package.
-    lesson = decode(frame, Limits(size=64 * 2**20), trusted=True, omitted=omitted)
-    if not isinstance(lesson, PublicLesson):
-        raise ValueError("not a lesson's check data")
-    return lesson
+    return decode(frame, Limits(size=64 * 2**20), trusted=True)
+
+
+class _WhenNeeded(Sequence[Any]):
+    """A list that is decoded when it is first used, and kept from then on."""
+
+    def __init__(self, packed: bytes) -> None:
+        self._packed = packed
+
+    @cached_property
+    def _values(self) -> list[Any]:
+        return list(_value(self._packed))
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._values[index]
 
 
 def grade_public(exercise: PublicExercise, function: Any, most_seconds: float = np.inf) -> Report:

@@ -178,25 +178,6 @@ class EarlierCall:
     answer: Any
 
 
-class CallsWhenNeeded(Sequence[EarlierCall]):
-    """Recorded calls that are read when the first of them is needed, and kept from then on."""
-
-    def __init__(self, read: Callable[[], Sequence[EarlierCall]]) -> None:
-        self._read = read
-
-    @cached_property
-    def _calls(self) -> Sequence[EarlierCall]:
-        return self._read()
-
-    def __len__(self) -> int:
-        """Return the number of calls."""
-        return len(self._calls)
-
-    def __getitem__(self, index: Any) -> Any:
-        """Return a call, or a part of the calls."""
-        return self._calls[index]
-
-
 @dataclass
 class Calls:
     """Calls of earlier functions while a block runs: known calls are answered, and new calls are recorded.

@@ -264,14 +264,14 @@ class PublicExercise:
     points: float
     stars: int
     comparison: Comparison
-    cases: list[Case]
-    mistakes: list[PublicMistake]
+    cases: Sequence[Case]
+    mistakes: Sequence[PublicMistake]
     hints: list[str]
     driver: str
     seconds: float = SECONDS
     earlier: Sequence[EarlierCall] = field(default_factory=list)
     uses: list[str] = field(default_factory=list)
-    pairs: list[MistakePair] = field(default_factory=list)
+    pairs: Sequence[MistakePair] = field(default_factory=list)
     sibling: Sibling | None = None
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from nao_course.exercises.checking import lessons, read_summary
+from nao_course.exercises.checking import lessons, read_public
 from nao_course.exercises.exercise import PublicLesson
 from nao_course.exercises.judging.report import CheckState
 from nao_course.exercises.notebook_text import read_notebook
@@ -123,7 +123,7 @@ def progress(folder: str | Path | None = None) -> Progress:
 
 def lesson_progress(lesson: str, folder: Path) -> LessonProgress:
     """Return the progress in a lesson's saved notebook."""
-    public = read_summary(lesson)
+    public = read_public(lesson)
     path = notebook_of(lesson, folder)
     states, unwritten, problem = _known(public, path) or _checked(lesson, folder)
     passed = [each for each in public.exercises if each.name not in states]

@@ -3,9 +3,12 @@
 import _thread
 import gc
 import importlib
+import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
+from textwrap import dedent
 
 import pytest
 
@@ -104,3 +107,28 @@ def test_it_does_not_wait_for_an_import_that_never_ends(tmp_path, monkeypatch):
     monkeypatch.setattr(time_limits, "IMPORTING", 0.1)
     with pytest.raises(TooSlow), time_limit(0.05):
         importlib.import_module("never_ends")
+
+
+@pytest.mark.parametrize("seconds", [60, 0.05])
+def test_after_a_limit_code_can_be_profiled_as_before_it(seconds):
+    """`%prun` hung in a kernel in which a check had run."""
+    code = f"""
+        import cProfile, contextlib, time
+        from nao_course._internal.time_limits import TooSlow, time_limit
+        with contextlib.suppress(TooSlow), time_limit({seconds}):
+            until = time.monotonic() + 0.2
+            while time.monotonic() < until:
+                pass
+        cProfile.run("print('profiled')")
+    """
+    ran = subprocess.run([sys.executable, "-c", dedent(code)], capture_output=True, timeout=60, check=True)
+    assert b"profiled" in ran.stdout
+
+
+def test_no_interruption_arrives_after_its_block():
+    for number in range(300):
+        with suppress(TooSlow), time_limit(number % 30 / 10_000):
+            for _ in range(200 * (number % 40)):
+                pass
+        for _ in range(1000):  # an interruption that is late would arrive here
+            pass

@@ -74,13 +74,6 @@ def test_a_value_comes_back_as_it_was_and_has_the_same_bytes(value):
     assert encode(value) == encode(decode(encode(value)))
 
 
-@given(values, values)
-@example({"b": 3, "v": {"d": b"bytes"}}, np.arange(3))
-def test_an_attribute_that_is_omitted_is_an_empty_list_and_what_follows_it_is_read(one, other):
-    found, after = decode(encode([Pair(one, other), Pair([], one)]), omitted=["first"])
-    assert found.first == [] and same(other, found.second) and same(one, after.second)
-
-
 def test_dataclasses_generators_numbers_and_views_travel_and_long_doubles_become_doubles():
     rng = np.random.default_rng(5)
     pair = decode(encode(Pair(np.arange(3), (rng, None))))

@@ -423,13 +423,13 @@ def test_a_right_function_that_numpy_warns_of_or_that_uses_a_demonstrations_valu
         assert check("clamp", old)
 
 
-@pytest.mark.slow
-def test_recorded_calls_are_read_when_they_are_needed_and_are_the_ones_that_were_packed():
-    """They are most of a lesson's data, and a student whose earlier functions work needs none of them."""
-    name = "11_slam_on_the_field"
+def test_what_only_a_check_needs_is_decoded_when_it_is_used_and_is_what_was_packed():
+    name = "05_ekf_derivations"
     checking._read.cache_clear()
     packed = checking.unpack(checking._data(name)).exercises
     for kept, wanted in zip(checking.read_public(name).exercises, packed, strict=True):
-        assert "_calls" not in vars(kept.earlier)
-        assert encode(list(kept.earlier)) == encode(list(wanted.earlier))
-    assert checking.read_public(name) is checking.read_public(name), "it is decoded once"
+        for part in checking._WHEN_NEEDED:
+            assert "_values" not in vars(getattr(kept, part))
+            assert encode(list(getattr(kept, part))) == encode(getattr(wanted, part))
+        assert kept.cases[0] is kept.cases[0], "it is decoded once"
+    assert checking.read_public(name) is checking.read_public(name)

@@ -22,7 +22,7 @@ def lesson(public, monkeypatch):
     """There is a lesson 90_toy and no other; the course's own lessons are left as they are."""
     for module in (notebooks, checking):
         monkeypatch.setattr(module, "read_public", {"90_toy": public}.__getitem__)
-    monkeypatch.setattr(overview, "read_summary", {"90_toy": public}.__getitem__)
+    monkeypatch.setattr(overview, "read_public", {"90_toy": public}.__getitem__)
     for module in (notebooks, overview, stages):
         monkeypatch.setattr(module, "lessons", lambda: ["90_toy"])
     monkeypatch.delenv("NAO_COURSE_NOTEBOOKS", raising=False)
