@@ -1,9 +1,11 @@
 """What several tests need: recorded data, random numbers, a browser, and no windows."""
 
 import gc
+import itertools
 import os
 import shutil
 import sys
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +39,20 @@ def pytest_xdist_make_scheduler(config, log):
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
     items[:] = [items[place] for place in order.in_order([item.nodeid for item in items])]
+
+
+def pytest_addoption(parser):
+    parser.addoption("--slowest-files", type=int, default=0, help="list this number of the slowest files")
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if listed := config.getoption("slowest_files"):
+        seconds = Counter()
+        for each in itertools.chain(*terminalreporter.stats.values()):
+            seconds[getattr(each, "nodeid", "").partition("::")[0]] += getattr(each, "duration", 0.0)
+        terminalreporter.section("slowest files")
+        for file, total in seconds.most_common(listed):
+            terminalreporter.line(f"{total:7.1f} s  {file}")
 
 
 def pytest_collection_finish():

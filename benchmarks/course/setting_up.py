@@ -7,7 +7,6 @@ network and the disk here.
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import tempfile
@@ -15,7 +14,7 @@ import time
 from pathlib import Path
 
 from benchmarks import Result
-from benchmarks.course.waiting import HOUR, compared, module_seconds
+from benchmarks.course.waiting import HOUR, compared, environment, module_seconds
 
 
 def measure(root: Path) -> dict[str, float]:
@@ -29,7 +28,7 @@ def measure(root: Path) -> dict[str, float]:
             subprocess.run(
                 ["make", "lab", "LAB_ARGS=--version", "PIP_ARGS=--quiet"],
                 cwd=root,
-                env=os.environ | caches,
+                env=environment(root) | caches,
                 check=True,
                 stdout=subprocess.DEVNULL,
             )

@@ -37,6 +37,11 @@ panel.forward()
 panel.back()"""
 
 
+def environment(root: Path) -> dict[str, str]:
+    """Return the environment of a build's processes, in which modules are compiled once, as on a student's machine."""
+    return os.environ | {"PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": ""}
+
+
 def command_seconds(root: Path, *words: str) -> float:
     """Return the processor seconds of a command of the course."""
     return module_seconds(root, "nao_course.cli", *words)
@@ -60,7 +65,7 @@ def module_seconds(root: Path, *words: str, seconds: float = SECONDS, worst: int
     ran = subprocess.run(
         [sys.executable, "-m", *words],
         cwd=root,
-        env=os.environ | {"PYTHONPATH": str(root)},
+        env=environment(root),
         stdout=subprocess.DEVNULL,
         check=False,
         timeout=seconds,
@@ -103,7 +108,7 @@ def driven_memory(root: Path) -> float:
 @contextmanager
 def kernel(root: Path, folder: str) -> Iterator[tuple[Any, int]]:
     """Start a kernel in a folder of a build; yield its client and its process's number."""
-    manager, client = start_new_kernel(env=os.environ | {"PYTHONPATH": str(root)}, cwd=str(root / folder))
+    manager, client = start_new_kernel(env=environment(root), cwd=str(root / folder))
     try:
         yield client, manager.provisioner.process.pid  # type: ignore[union-attr]
     finally:
