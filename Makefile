@@ -10,7 +10,9 @@ SITE_ARGS ?=
 WORKERS ?= 2
 
 PY = .venv/bin/python
-PIP = $(PY) -m pip --disable-pip-version-check $(PIP_ARGS)
+# The pip of PYTHON fetches uv. Only where it cannot, .venv gets a pip of its own first, which takes longer than the rest.
+FETCH_UV = --disable-pip-version-check $(PIP_ARGS) --quiet install --require-hashes -r .venv/uv.txt
+OWN_PIP = $(PY) -m ensurepip >/dev/null && $(PY) -m pip --disable-pip-version-check
 UV = $(PY) -m uv pip install --python $(PY)
 # The course's matrices are small: one BLAS thread for each process is the fastest, and the same everywhere.
 ONE_THREAD = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
@@ -79,7 +81,7 @@ clean:  ## remove .venv and every cache; your notebooks stay
 	@$(PYTHON) -c 'import sys' 2>/dev/null || { echo "No Python found ($(PYTHON)). Install Python 3.11 or newer, or say which: make PYTHON=python3.12 ..." >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "The course needs Python 3.11 or newer; $(PYTHON) is `$(PYTHON) --version 2>&1`. Say which to use: make PYTHON=python3.12 ..." >&2; exit 1; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "$(PYTHON) cannot make virtual environments. On Debian and Ubuntu: sudo apt install python3-venv" >&2; exit 1; }
-	$(PYTHON) -m venv .venv
+	$(PYTHON) -m venv --without-pip .venv
 	@touch $@
 
 .venv/lab.stamp: .venv/made.stamp requirements.lock pyproject.toml
@@ -118,7 +120,7 @@ web/node_modules/made.stamp: web/package-lock.json
 # packages are compiled when they are first imported: compiling all of them takes longer than all the rest.
 define install
 @$(PY) -m uv --version >/dev/null 2>&1 || { sed -n '/^uv==/,/[^\\]$$/p' requirements.lock >.venv/uv.txt; \
-	$(PIP) install --quiet --require-hashes -r .venv/uv.txt || true; }
-@$(UV) $(2) --require-hashes -r $(1) || $(PIP) install --require-hashes -r $(1) || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
-@$(UV) --quiet --no-deps --no-build-isolation -e . || $(PIP) --quiet install --no-deps --no-build-isolation -e .
+	$(PYTHON) -m pip --python .venv $(FETCH_UV) 2>/dev/null || { $(OWN_PIP) $(FETCH_UV); } || true; }
+@$(UV) $(2) --require-hashes -r $(1) || { $(OWN_PIP) $(PIP_ARGS) install --require-hashes -r $(1); } || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
+@$(UV) --quiet --no-deps --no-build-isolation -e . || { $(OWN_PIP) $(PIP_ARGS) --quiet install --no-deps --no-build-isolation -e .; }
 endef
