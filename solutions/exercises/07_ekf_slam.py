@@ -1450,6 +1450,12 @@ ADD_LANDMARK = Exercise(
             + both[:n, :n], both[n:, n:] = covariance, measurement_covariance
             + return np.append(state, landmark_position(state[:3], measurement)), J @ both @ J
             You multiply by J from the right. The last factor is Jᵀ.
+        one Jacobian, transposed on the left: + n = len(state)
+            + J, both = np.eye(n + 2), np.zeros((n + 2, n + 2))
+            + J[n:, :3], J[n:, n:] = landmark_jacobians(state[:3], measurement)
+            + both[:n, :n], both[n:, n:] = covariance, measurement_covariance
+            + return np.append(state, landmark_position(state[:3], measurement)), J.T @ both @ J
+            You transpose J on the left. The errors of the new state are J e, so their covariance is J P Jᵀ.
         not at the end: np.append(state, position) => np.concatenate([state[:3], position, state[3:]])
             You insert the landmark behind the pose. Append it at the end of the state.
         in front: np.append(state, position) => np.append(position, state)
