@@ -1687,7 +1687,7 @@ INVARIANT_UPDATE = Exercise(
         one side only: covariance + (added + added.T) => covariance + np.outer(change, covariance[2])
             You multiply by A on one side only. The covariance of A e is A P Aᵀ.
         one side only, then symmetric: covariance + (added + added.T) => covariance + (np.outer(change, covariance[2]) + np.outer(covariance[2], change)) / 2
-            You multiply by A on one side only. The covariance of A e is A P Aᵀ.
+            You multiply by A on one side only, and the symmetric part of A P is not A P Aᵀ, the covariance of A e.
         A transposed: change[points] = (1j * shifts).view(float) => change[points] = (1j * shifts).view(float)
             + A = np.eye(len(state))
             + A[2] += change
