@@ -1450,6 +1450,12 @@ ADD_LANDMARK = Exercise(
             + both[:n, :n], both[n:, n:] = covariance, measurement_covariance
             + return np.append(state, landmark_position(state[:3], measurement)), J @ both @ J
             You multiply by J from the right. The last factor is Jᵀ.
+        one Jacobian, transposed on the left: + n = len(state)
+            + J, both = np.eye(n + 2), np.zeros((n + 2, n + 2))
+            + J[n:, :3], J[n:, n:] = landmark_jacobians(state[:3], measurement)
+            + both[:n, :n], both[n:, n:] = covariance, measurement_covariance
+            + return np.append(state, landmark_position(state[:3], measurement)), J.T @ both @ J
+            You transpose J on the left. The errors of the new state are J e, so their covariance is J P Jᵀ.
         not at the end: np.append(state, position) => np.concatenate([state[:3], position, state[3:]])
             You insert the landmark behind the pose. Append it at the end of the state.
         in front: np.append(state, position) => np.append(position, state)
@@ -1553,7 +1559,7 @@ def _invariant_by_matrices(state: Array, P: Array, indices: Any, z: Array, R: Ar
 def _invariant_by_point(state: Array, P: Array, indices: Any, z: Array, R: Array) -> Any:
     correction, P = _linear_update(state, P, indices, z, R)
     turn = correction[2]
-    a, b = math.sin(turn) / turn, (1 - math.cos(turn)) / turn
+    a, b = np.sinc(turn / np.pi), turn / 2 * np.sinc(turn / 2 / np.pi) ** 2
     moved, A = shifted(state, correction), np.eye(len(state))
     for i in (0, *range(3, len(state), 2)):
         x, y = correction[i : i + 2]
@@ -1584,6 +1590,13 @@ def _turned_case(
     return Case((state, P, indices, seen, random_covariance(rng, 2, scale=0.06)), name)
 
 
+def _unmoved_case(pose: Array, distance: float, name: str = "") -> Case:
+    """Return a case whose measurement is exactly as expected: the correction of the heading is 0."""
+    state = np.append(pose, [pose[0] + distance, pose[1]])
+    P = np.diag([0.01, 0.01, 0.04, 0.03, 0.01])
+    return Case((state, P, [0], np.array([0.0, distance]), np.diag([0.01, 0.01])), name)
+
+
 def _turned_public() -> list[Case]:
     rng = np.random.default_rng(78)
     ahead = (np.array([0.0, 0.0, 0.0, 2.0, 0.0]), np.diag([0.01, 0.01, 0.04, 0.03, 0.01]), [0])
@@ -1595,13 +1608,18 @@ def _turned_public() -> list[Case]:
         _turned_case(rng, 1, [0], "one landmark, from elsewhere"),
         _turned_case(rng, 3, [2, 0], "two of three landmarks", -0.6),
         _turned_case(rng, 4, [1, 3, 2], "three of four landmarks", 0.8),
+        _unmoved_case(np.zeros(3), 2.0, "a measurement as expected"),
     ]
 
 
 def _turned_hidden(rng: np.random.Generator) -> list[Case]:
     drawn = ((1, [0], 0.5), (2, [1], -0.7), (3, [2, 0], 0.4), (5, [4, 1, 0], -0.5), (4, [0, 1, 2, 3], 0.8))
     cases = [_turned_case(rng, k, indices, turn=turn) for k, indices, turn in drawn]
-    return [*cases, _turned_case(rng, 2, [0, 1], turn=0.7, heading=2.9)]
+    return [
+        *cases,
+        _turned_case(rng, 2, [0, 1], turn=0.7, heading=2.9),
+        _unmoved_case(np.array([1.0, 2.0, 0.0]), 3.0),
+    ]
 
 
 INVARIANT_UPDATE = Exercise(
@@ -1651,7 +1669,7 @@ INVARIANT_UPDATE = Exercise(
             + change[3:] = 0
             The third column of your T has no landmarks. N contains (-y, x) of the robot and of each landmark.
         covariance not moved: return updated, covariance + (added + added.T) => return updated, covariance
-            Your state is right, but your covariance still belongs to the errors at the old state. Multiply it by A, and by the transpose of A.
+            Your state is right, but your covariance still belongs to the errors at the old state. Multiply it by A, and by the transpose of A. If you do, compute T(s) before you overwrite the state.
         points not turned: * np.exp(0.5j * turn) =>
             You shorten the corrections but do not turn them. V also rotates by half of the heading's correction.
         whole turn: np.exp(0.5j * turn) => np.exp(1j * turn)
@@ -1666,8 +1684,63 @@ INVARIANT_UPDATE = Exercise(
             You move the points by the correction of update_landmarks. Multiply the correction of each point by V, because a point moves along an arc.
         change reversed: 1j * shifts => -1j * shifts
             The third column of A has the wrong sign. A point that moves by (dx, dy) changes N by (-dy, dx).
-        one side only: covariance + (added + added.T) => covariance + added
+        one side only: covariance + (added + added.T) => covariance + np.outer(change, covariance[2])
             You multiply by A on one side only. The covariance of A e is A P Aᵀ.
+        one side only, then symmetric: covariance + (added + added.T) => covariance + (np.outer(change, covariance[2]) + np.outer(covariance[2], change)) / 2
+            You multiply by A on one side only, and the symmetric part of A P is not A P Aᵀ, the covariance of A e.
+        A transposed: change[points] = (1j * shifts).view(float) => change[points] = (1j * shifts).view(float)
+            + A = np.eye(len(state))
+            + A[2] += change
+            + return updated, A @ covariance @ A.T
+            Your A is transposed. N is the third column of T, not its third row, and A is on the left: A P Aᵀ.
+        A inverted on the right: change[points] = (1j * shifts).view(float) => change[points] = (1j * shifts).view(float)
+            + A = np.eye(len(state))
+            + A[:, 2] += change
+            + covariance = A @ covariance @ np.linalg.inv(A)
+            + return updated, (covariance + covariance.T) / 2
+            You multiply by the inverse of A on the right. The covariance of A e is A P Aᵀ, with the transpose.
+        T of the new state alone: change[points] = (1j * shifts).view(float) => change[points] = (1j * updated[points].view(complex)).view(float)
+            Your A is T(s⁺) alone. First T(s)⁻¹ converts the error at the old state to ξ: A = T(s⁺) T(s)⁻¹.
+        T of the old state alone: change[points] = (1j * shifts).view(float) => change[points] = (-1j * state[points].view(complex)).view(float)
+            Your covariance is the covariance of ξ. T(s⁺) converts it to the error of the new state: A = T(s⁺) T(s)⁻¹.
+        N of the map alone: change[points] = (1j * shifts).view(float) => change[points] = (1j * shifts).view(float)
+            + change[:2] = 0
+            The third column of your T has no (-y, x) of the robot. N contains them of the robot and of each landmark.
+        N without the turn: (1j * shifts) => (-shifts.conj())
+            The third column of your T contains (-x, y). N contains (-y, x) of each point.
+        N from the robot: (1j * shifts) => (1j * (shifts - shifts[0]))
+            Your N contains points relative to the robot. The map rotates about the origin of the map frame, so N contains (-y, x) of each point there.
+        robot not turned: * np.exp(0.5j * turn) => * np.exp(0.5j * turn)
+            + shifts[0] = complex(*(updated - state)[:2])
+            Your robot's position has the correction of update_landmarks. It is a point, too: multiply its correction by V.
+        map not turned: * np.exp(0.5j * turn) => * np.exp(0.5j * turn)
+            + shifts[1:] = (updated - state)[3:].view(complex)
+            Your landmarks have the correction of update_landmarks. Multiply the correction of each landmark by V, as the robot's.
+        last landmark not turned: * np.exp(0.5j * turn) => * np.exp(0.5j * turn)
+            + shifts[-1] = complex(*(updated - state)[-2:])
+            Your last landmark has the correction of update_landmarks. range(3, len(state), 2) counts all landmarks.
+        unseen landmarks not turned: * np.exp(0.5j * turn) => * np.exp(0.5j * turn)
+            + unseen = np.delete(np.arange(len(shifts)), [0, *np.add(indices, 1)])
+            + shifts[unseen] = (updated - state)[points].view(complex)[unseen]
+            Your landmarks that were not measured have the correction of update_landmarks. Multiply the correction of every point of the state by V.
+        map rotated twice: * np.exp(0.5j * turn) => * np.exp(0.5j * turn) + (np.exp(1j * turn) - 1) * state[points].view(complex)
+            You rotate each point and add V delta. The rotation is already part of delta: add V delta to the point as it was.
+        correction twice: * np.exp(0.5j * turn) => * np.exp(0.5j * turn) + (updated - state)[points].view(complex)
+            You add V delta to the result of update_landmarks, which already contains delta. Add it to the state before the update.
+        correction reversed: warp2pi(updated[2] - state[2]) => warp2pi(state[2] - updated[2])
+            (updated - state)[points] => (state - updated)[points]
+            Your delta has the wrong sign. It is the result of update_landmarks minus the state before.
+        heading too large: updated[points] = state[points] + shifts.view(float) => updated[points] = state[points] + shifts.view(float)
+            + updated[2] = state[2] + turn
+            Your new heading is not between -pi and pi. Wrap it with warp2pi.
+        V of the heading: warp2pi(updated[2] - state[2]) => state[2]
+            You evaluate V at the robot's heading. Evaluate it at the correction of the heading.
+        whole sine: np.sinc(turn / (2 * np.pi)) => np.sinc(turn / np.pi)
+            Your factor is sin(a) / a. It contains half of the heading's correction: sin(a / 2) / (a / 2).
+        half as long: np.sinc(turn / (2 * np.pi)) => np.sinc(turn / (2 * np.pi)) / 2
+            Your corrections are half as long as they should be. Divide sin(a / 2) by a / 2, not by a.
+        zero by zero: np.sinc(turn / (2 * np.pi)) => np.sin(turn / 2) / (turn / 2)
+            Your factor is 0 / 0 if the heading has no correction. Its limit is 1: np.sinc(a / 2 / np.pi) computes it.
         variance of the heading left out: covariance[2] + covariance[2, 2] / 2 * change => covariance[2]
             Your covariance lacks the product of both changes. A P Aᵀ has four terms, and one of them contains the variance of the heading.
         variance of the heading twice: covariance[2, 2] / 2 * change => covariance[2, 2] * change

@@ -1523,6 +1523,8 @@ GRAPH_SLAM = Exercise(
             Your first pose is zero. It is `start`, and gauss_newton holds it there.
         the pose after the turn: [motion.distance, 0.0, motion.turn] => [motion.distance * np.cos(motion.turn), motion.distance * np.sin(motion.turn), motion.turn]
             Your motion edges turn before they drive. The robot first drives straight ahead and then turns, so the new pose in the frame of the old one is (distance, 0, turn).
+        a motion backwards: (here - 1, POSE, here, => (here, POSE, here - 1,
+            Your motion edges lead from the new pose to the old one. The robot drives from the old pose to the new one.
         noise not turned: rotation_2d(-motion.turn) => np.eye(2)
             Your odometry noise is along and across the old heading, but pose_residual works in the new pose's frame. Turn the noise by -motion.turn.
         turned the other way: -motion.turn => motion.turn

@@ -275,6 +275,26 @@ def said(name, function):
     return str(grade_public(public_exercise("07_ekf_slam", name), function))
 
 
+@pytest.mark.parametrize(
+    ("moved", "message"),
+    [
+        (lambda P, new, back: new @ P @ new.T, "Your A is T(s⁺) alone"),
+        (lambda P, new, back: back @ P @ back.T, "Your covariance is the covariance of ξ"),
+        (lambda P, new, back: new @ back @ P, "You multiply by A on one side only"),
+        (lambda P, new, back: new.T @ back.T @ P @ back @ new, "Your A is transposed"),
+        (lambda P, new, back: new @ back @ P @ np.linalg.inv(new @ back), "the inverse of A on the right"),
+    ],
+)
+def test_a_slip_with_the_matrices_of_the_invariant_update_has_its_own_message(own, moved, message):
+    def invariant_update(state, P, indices, z, R):
+        updated = own["invariant_update"](state, P, indices, z, R)[0]
+        correct = own["update_landmarks"](state, P, indices, z, R)[1]
+        covariance = moved(correct, on_group(updated), np.linalg.inv(on_group(state)))
+        return updated, (covariance + covariance.T) / 2
+
+    assert message in said("invariant_update", invariant_update)
+
+
 def test_several_passes_are_not_called_one_turn():
     def by_passes(angle):
         for _ in range(4):
