@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import operator
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from html import escape
@@ -41,6 +42,7 @@ _SIGNS = {
     "α": "alpha",
     "β": "beta",
     "π": "pi",
+    "ξ": "xi",
     "Δ": "d",
     "\N{INCREMENT}": "d",
 }
@@ -69,9 +71,7 @@ def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
     Both r^2 and r**2 are powers; `symbols` maps the names that may occur to their meanings. Raise a ValueError that
     explains what to write if it is not an expression.
     """
-    text = typed.strip()
-    for sign, meaning in _SIGNS.items():
-        text = text.replace(sign, meaning)
+    text = _as_python(typed)
     if len(text) > LONGEST:
         raise ValueError(f"{text[:20]!r}... is too long: write at most {LONGEST} characters.")
     try:
@@ -81,6 +81,14 @@ def parse(typed: str, symbols: Mapping[str, Any]) -> Any:
             f"{_short(typed)!r} is not an expression. Write it as in Python: -d*sin(theta), with a * for each product."
         ) from None
     return _expression(tree, symbols)
+
+
+def _as_python(typed: str) -> str:
+    """Return a typed entry with Python's signs, and with the names of Greek letters."""
+    text = typed.strip()
+    for sign, meaning in _SIGNS.items():
+        text = text.replace(sign, meaning)
+    return text
 
 
 def _short(text: str) -> str:
@@ -153,6 +161,9 @@ def _unknown(name: str, symbols: Mapping[str, Any]) -> str:
     for function in _FUNCTIONS:
         if name.startswith(function) and name[len(function) :] in symbols:
             return f"{function} needs brackets: write {function}({name[len(function) :]})."
+    for symbol in symbols:
+        if symbol.replace("_", "").lower() == name.replace("_", "").lower():
+            return f"{_short(name)!r} is called {symbol} here."
     return f"{_short(name)!r} is not a symbol of this model; use {', '.join(symbols)}."
 
 
@@ -175,6 +186,8 @@ class DerivationSheet:
         Entries (R, C) that are filled in at first, with an empty text for each open entry.
     short : mapping of str to sympy.Expr
         Abbreviations that may be typed: {"dx": l_x - x}; a Δ is read as d.
+    slips : mapping of (int, int) to mapping of str to sympy.Expr
+        Typical wrong entries by row and column, each with what is said about it.
     """
 
     def __init__(
@@ -186,7 +199,9 @@ class DerivationSheet:
         rows: Sequence[str] = (),
         known: Sequence[Sequence[Any]] = (),
         short: Mapping[str, Any] | None = None,
+        slips: Mapping[tuple[int, int], Mapping[str, Any]] | None = None,
     ) -> None:
+        self._slips = slips or {}
         self.title, self.model, self.known = title, model, known
         self.by = [str(each) for each in by]
         self.rows = list(rows) or [f"row {number}" for number in range(1, len(model) + 1)]
@@ -241,9 +256,7 @@ class DerivationSheet:
                 answer = jacobian(lambda: (self.model, read), self._points, self.by)
                 got = evaluated(answer, self._points, self.by)
                 faults = Derivative(tuple(self.by)).faults(got)
-                faults |= {
-                    at: self._slip(at, read[at]) for at, said in faults.items() if said == UNKNOWN_SLIP
-                }
+                faults |= {at: self._slip(at, read[at], said) for at, said in faults.items()}
             except (ValueError, TypeError, OverflowError) as error:
                 return f"These entries cannot be computed: {error}", marks
         # The model is the sheet's, not the student's
@@ -253,12 +266,9 @@ class DerivationSheet:
 
     def _parsed(self, entry: str) -> Any:
         """Return a typed entry as an expression; a symbol that is 0 at the point of linearisation raises ValueError."""
-        import sympy
-
-        expression = parse(entry, self.symbols | {name: sympy.Symbol(name) for name in self._zero})
-        for name in sorted(self._zero & set(map(str, expression.free_symbols))):
+        for name in sorted(self._zero & set(re.findall(r"\w+", _as_python(entry)))):
             raise ValueError(f"{name} is 0 where this Jacobian is evaluated; set it to 0 in your entry.")
-        return expression
+        return parse(entry, self.symbols)
 
     def formula(self, entry: str) -> str:
         """Return a typed entry as TeX between dollar signs, or an empty text for a number or an error."""
@@ -286,11 +296,13 @@ class DerivationSheet:
                 raise ValueError(_unknown(name, self.symbols))
         return expression
 
-    def _slip(self, at: tuple[int, int], entry: Any) -> str:
-        """Return the known mistake that produces a wrong entry, if there is one."""
+    def _slip(self, at: tuple[int, int], entry: Any, said: str) -> str:
+        """Return the known mistake that produces a wrong entry, or else what the comparison said."""
         import sympy
 
-        likely = list(self._likely(*at))
+        likely = list(self._slips.get(at, {}).items())
+        if said == UNKNOWN_SLIP:
+            likely += self._likely(*at)
         candidates = [entry, *(each for _, each in likely)]
         # NumPy has no complex infinity.
         finite = [each.xreplace({sympy.zoo: sympy.nan}) for each in candidates]
@@ -304,7 +316,7 @@ class DerivationSheet:
                 for (text, _), column in zip(likely, values.T[1:], strict=True)
                 if np.allclose(column, values[:, 0], rtol=1e-5, atol=1e-5)
             ),
-            UNKNOWN_SLIP,
+            said,
         )
 
     def _likely(self, row: int, column: int) -> Iterator[tuple[str, Any]]:
@@ -317,11 +329,15 @@ class DerivationSheet:
         for term in sympy.Add.make_args(sympy.expand(self.model[row].subs(nothing))):
             yield "it is a term of the model itself: differentiate it", term
         partner = {sympy.sin: sympy.cos, sympy.cos: sympy.sin}
-        swapped = derivative.replace(
+        swapped = general.replace(
             lambda each: each.func in partner, lambda each: partner[each.func](*each.args)
-        )
+        ).subs(nothing)
         yield "sine and cosine are swapped", swapped
         yield "sine and cosine are swapped, and the sign is wrong", -swapped
+        for other, by in np.ndindex(len(self.rows), len(self.by)):
+            elsewhere = sympy.diff(self.model[other], sympy.Symbol(self.by[by])).subs(nothing)
+            if (other, by) != (row, column) and not elsewhere.is_number:
+                yield f"it is the derivative of {self._place(other, by)}", elsewhere
         for symbol in sorted(derivative.free_symbols, key=str):
             yield f"the factor {symbol} is missing", derivative / symbol
             yield f"the factor {symbol} is missing, and the sign is wrong", -derivative / symbol
@@ -428,8 +444,10 @@ def _sheet(
     rows: tuple[str, ...],
     known: tuple[tuple[Any, ...], ...],
     short: tuple[tuple[str, Any], ...],
+    slips: tuple[tuple[tuple[int, int], tuple[tuple[str, Any], ...]], ...],
 ) -> DerivationSheet:
-    return DerivationSheet(title, model, by, zero, rows, known, dict(short))
+    wrong = {at: dict(entries) for at, entries in slips}
+    return DerivationSheet(title, model, by, zero, rows, known, dict(short), wrong)
 
 
 def derivation(
@@ -441,6 +459,7 @@ def derivation(
     rows: Sequence[str] = (),
     known: Sequence[Sequence[Any]] = (),
     short: Mapping[str, Any] | None = None,
+    slips: Mapping[tuple[int, int], Mapping[str, Any]] | None = None,
 ) -> DerivationSheet:
     """Return a sheet that checks a Jacobian derived with pen and paper.
 
@@ -460,6 +479,8 @@ def derivation(
         Entries (R, C) that are filled in at first, with an empty text for each open entry.
     short : mapping of str to sympy.Expr
         Abbreviations that may be typed: {"dx": l_x - x}; a Δ is read as d.
+    slips : mapping of (int, int) to mapping of str to sympy.Expr
+        Typical wrong entries by row and column, each with what is said about it.
 
     Returns
     -------
@@ -482,4 +503,5 @@ def derivation(
         tuple(rows),
         tuple(map(tuple, known)),
         tuple((short or {}).items()),
+        tuple((at, tuple(entries.items())) for at, entries in (slips or {}).items()),
     )

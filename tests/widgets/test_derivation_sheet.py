@@ -38,6 +38,7 @@ def test_an_entry_is_read_as_it_is_written_on_paper(typed, value):
         ("d sin(theta)", r"with a \* for each product"),
         ("d(theta)", r"A \* is missing after d"),
         ("phi", "'phi' is not a symbol of this model; use x, theta, d"),
+        ("X", "'X' is called x here"),
         ("__import__('os')", "not supported|is not an expression"),
         ("x.diff", "not supported|is not an expression"),
         ("-d*sintheta", r"sin needs brackets: write sin\(theta\)"),
@@ -82,6 +83,7 @@ MOTION = Matrix([x + (d + e) * cos(theta) - e * sin(theta), 2 * d * x * sin(thet
         ((1, 1), "2*d*x*cos(x)", "the variable theta is missing"),
         ((1, 1), "2.001*d*x*cos(theta + x)", "close, but rounded"),
         ((1, 1), "d*exp(x)", "a small change of that variable"),
+        ((1, 1), "-d*sin(theta)", "it is the derivative of a by theta"),
     ],
 )
 def test_the_likely_slip_is_named(at, entry, said, recwarn):
@@ -90,6 +92,21 @@ def test_the_likely_slip_is_named(at, entry, said, recwarn):
     marked = DerivationSheet("F", MOTION, [x, theta], zero=[e], rows=("a", "b")).write(entries)
     assert said in repr(marked) and "3 of 4 entries are correct" in repr(marked)
     assert not recwarn.list
+
+
+def test_a_sheets_own_slips_are_named_first_also_where_nothing_changes():
+    slips = {(0, 1): {"that is the whole turn": 2 * d * cos(theta)}, (1, 0): {"theta keeps still": x}}
+    said = repr(sheet(slips=slips).write([["1", "2*d*cos(theta)"], ["x", "1"]]))
+    assert "new x by theta: that is the whole turn. new theta by x: theta keeps still." in said
+
+
+def test_sine_and_cosine_are_swapped_before_their_angle_is_0():
+    turned = DerivationSheet("R", Matrix([x * cos(e) - d * sin(e)]), [e], zero=[e], rows=("a",))
+    assert "sine and cosine are swapped." in repr(turned.write([["-x"]]))
+
+
+def test_only_names_that_may_be_typed_are_offered():
+    assert "use d, theta, x." in repr(sheet().write([["phi", ""], ["", ""]]))
 
 
 @pytest.mark.parametrize("entry", [None, sympy.Symbol("phi"), print, float("nan"), sympy.Matrix([1])])

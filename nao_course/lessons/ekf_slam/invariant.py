@@ -30,7 +30,7 @@ def group_sheet() -> DerivationSheet:
     DerivationSheet
         Its rows are the true pose, a true landmark, and the bearing and range between them.
     """
-    from sympy import Matrix, atan2, cos, sin, sqrt, symbols  # SymPy takes long to import
+    from sympy import Integer, Matrix, atan2, cos, sin, sqrt, symbols  # SymPy takes long to import
 
     x, y, theta, l_x, l_y = symbols("x y theta l_x l_y")
     errors = xi_x, xi_y, xi_theta, xi_lx, xi_ly = symbols("xi_x xi_y xi_theta xi_lx xi_ly")
@@ -39,6 +39,8 @@ def group_sheet() -> DerivationSheet:
     landmark = turn * Matrix([l_x, l_y]) + Matrix([xi_lx, xi_ly])
     dx, dy = landmark - robot
     heading = theta + xi_theta
+    about_robot = "everything rotates about the origin of the map, not about the robot"
+    slips = {(0, 0): y - l_y, (1, 0): l_x - x, (3, 0): y - l_y, (4, 0): l_x - x}
     return derivation(
         "What an error on the group changes",
         Matrix([*robot, heading, *landmark, atan2(dy, dx) - heading, sqrt(dx**2 + dy**2)]),
@@ -47,6 +49,13 @@ def group_sheet() -> DerivationSheet:
         rows=("true x", "true y", "true theta", "true l_x", "true l_y", "bearing", "range"),
         known=[["", 1], ["", 0], ["", 0], ["", 0], ["", 0], ["", "dy/r^2"], ["", "-dx/r"]],
         short={"dx": l_x - x, "dy": l_y - y, "r": sqrt((l_x - x) ** 2 + (l_y - y) ** 2)},
+        slips={at: {about_robot: wrong} for at, wrong in slips.items()}
+        | {
+            (5, 0): {
+                "that is what the heading changes, but dx and dy rotate, too": Integer(-1),
+                "that is what the rotation of dx and dy changes, but the heading is subtracted": Integer(1),
+            }
+        },
     )
 
 

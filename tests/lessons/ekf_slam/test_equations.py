@@ -192,8 +192,12 @@ def test_the_sheet_takes_the_derivatives_by_the_error_on_the_group_and_no_others
     wrong = [["y", "1"], *right[1:5], ["-1", ""], right[6]]
     said = repr(group_sheet().write(wrong))
     assert (
-        "true x by xi_theta: its sign is wrong" in said and "bearing by xi_theta: the model does not" in said
+        "true x by xi_theta: its sign is wrong" in said
+        and "bearing by xi_theta: that is what the heading" in said
     )
+    about_robot = [["-dy", "1"], *right[1:]]
+    assert "everything rotates about the origin of the map" in repr(group_sheet().write(about_robot))
+    assert "xi_theta is 0 where" in repr(group_sheet().write([["−y ξ_θ".replace(" ", "*"), "1"], *right[1:]]))
 
 
 @pytest.mark.asserts("eq-7-11")
