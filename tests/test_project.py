@@ -143,12 +143,11 @@ MACHINE_PATHS = re.compile(r"(?<![\w.~/-])/(?:work|root|home)/[\w.]")
 def text_offences(name: str, content: bytes) -> list[str]:
     if b"\0" in content:
         return []
-    lines = content.decode("utf-8", errors="replace").splitlines()
+    text = content.decode("utf-8", errors="replace")
     return [
-        f"{name}:{number}: {found.group()}"
-        for number, line in enumerate(lines, start=1)
+        f"{name}:{len(text[: found.end()].splitlines())}: {found.group()}"
         for pattern in (INDEX_HOSTS, MACHINE_PATHS)
-        if (found := pattern.search(line))
+        for found in pattern.finditer(text)
     ]
 
 
@@ -187,17 +186,19 @@ def test_an_index_or_a_machine_path_is_found_out(line):
     assert text_offences("x", b"work/x ../home/ada ~/root/x https://example.org/home/x") == []
 
 
-AFTER_BRACKETS = re.compile(r"\s*[])}]+[:,]?\s*")
+AFTER_BRACKETS = re.compile(r"^\s*[])}]+[:,]?\s*#", re.MULTILINE)
 FOR_TOOLS = ("# fmt: skip", "# type:", "# noqa")
 
 
 def stranded_comments(name: str, source: str) -> list[str]:
     """Comments behind the closing bracket of several lines, where nobody sees what they belong to."""
+    if not AFTER_BRACKETS.search(source):
+        return []  # reading tokens takes time
     return [
         f"{name}:{each.start[0]}: {each.string}"
         for each in tokenize.generate_tokens(io.StringIO(source).readline)
         if each.type == tokenize.COMMENT
-        and AFTER_BRACKETS.fullmatch(each.line[: each.start[1]])
+        and AFTER_BRACKETS.fullmatch(each.line[: each.start[1] + 1])
         and not each.string.startswith(FOR_TOOLS)
     ]
 

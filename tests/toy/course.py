@@ -80,8 +80,9 @@ PLAN = LessonPlan(exercises=[DOUBLE])
 
 
 def lay_out(root: Path) -> Path:
-    """Write the course, with a library of its own; nothing of it is built."""
-    ignored = shutil.ignore_patterns("*.bin", "__pycache__")
+    """Write the course, with a library of its own without the real lessons' folders; nothing of it is built."""
+    lessons = (path.name for path in (PROJECT / "nao_course" / "lessons").glob("*/"))
+    ignored = shutil.ignore_patterns("*.bin", "__pycache__", *lessons)
     shutil.copytree(PROJECT / "nao_course", root / "nao_course", ignore=ignored)
     (root / "solutions" / "exercises").mkdir(parents=True)
     (root / "solutions" / "01_toy.md").write_text(lesson_text.HEADER + TEXT)
