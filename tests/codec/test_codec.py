@@ -331,7 +331,7 @@ def parts(data):
     return data[20 : 20 + header], data[20 + header :]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=500, deadline=None)
 @given(values, values, st.data())
 def test_true_frames_that_are_cut_flipped_and_spliced_give_a_value_or_a_refusal(one, other, data):
     (header, body), (header2, body2) = parts(encode(one)), parts(encode(other))
