@@ -23,6 +23,7 @@ from jupyter_client.manager import start_new_kernel
 from rich.progress import track
 
 from benchmarks import ROOT, Result, Table
+from nao_course._internal.single_threaded import SINGLE_THREADED
 
 BEFORE = "19c84e2"
 LESSONS = ("00_meet_the_nao", "05_ekf_derivations", "07_ekf_slam", "11_slam_on_the_field")
@@ -38,8 +39,8 @@ panel.back()"""
 
 
 def environment(root: Path) -> dict[str, str]:
-    """Return the environment of a build's processes, in which modules are compiled once, as on a student's machine."""
-    return os.environ | {"PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": ""}
+    """Return the environment of a build's processes: `nao-course lab` gives one thread, and modules are compiled once."""
+    return os.environ | SINGLE_THREADED | {"PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": ""}
 
 
 def command_seconds(root: Path, *words: str) -> float:

@@ -4,7 +4,6 @@
 so that other programs change them little.
 """
 
-import os
 import re
 from pathlib import Path
 
@@ -19,7 +18,6 @@ MESSAGE = re.compile(r"^( +\S.* => .*\n +)([A-Z])", re.MULTILINE)
 
 def measure(root: Path) -> dict[str, float]:
     """Return the costs of one build."""
-    os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     tests = module_seconds(root, "pytest", *QUICK_TIER, seconds=HOUR)
     declaration = root / "solutions" / "exercises" / f"{LESSON}.py"
     text = declaration.read_text(encoding="utf-8")
