@@ -39,7 +39,7 @@ panel.back()"""
 
 
 def environment(root: Path) -> dict[str, str]:
-    """Return the environment of a build's processes: `nao-course lab` gives one thread, and modules are compiled once."""
+    """Return a build's environment: one thread, as `nao-course lab` gives, and modules that are compiled once."""
     return os.environ | SINGLE_THREADED | {"PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": ""}
 
 
