@@ -19,10 +19,10 @@ from rich.progress import track
 from benchmarks import ROOT, Result, Table, chromium
 from tests.browser.lab import browser_page, jupyter_lab
 
-PANELS = {
-    "the cameras' pictures": 'panel = my_nao(upto="00")',
-    "own labels": 'panel = my_nao(upto="01")',
-    "all stages": "panel = my_nao()",
+PANELS = {  # each with the last of its stages
+    "the cameras' pictures": ('panel = my_nao(upto="00")', ""),
+    "own labels": ('panel = my_nao(upto="01")', "✔ labels"),
+    "all stages": ("panel = my_nao()", "✔ next move"),
 }
 SECONDS = 10.0  # of driving
 PRESS = 0.3  # s between two presses: each walks a metre, so motions always wait
@@ -90,12 +90,14 @@ def main() -> Result:
             shutil.copy2(path, notebooks)
         with jupyter_lab(notebooks, Path(folder, "settings")) as lab, browser_page(chromium()) as page:
             page.set_viewport_size({"width": 1280, "height": 800})
-            for number, (name, call) in enumerate(track(PANELS.items(), "panels")):
+            for number, (name, (call, stage)) in enumerate(track(PANELS.items(), "panels")):
                 lab.write(f"panel{number}.ipynb", f"from nao_course.student import my_nao\n{call}", STEP)
                 lab.open(page, f"panel{number}.ipynb")
                 lab.run_all(page)
                 panel = page.locator(".nao-panel")
                 panel.locator("img").first.wait_for(timeout=240_000)
+                if stage not in (panel.locator(".nao-ready").text_content() or ""):
+                    raise RuntimeError(f"the panel {name!r} lacks the stage {stage!r}")
                 load = os.getloadavg()[0]
                 found[name] = measure(page, panel) | {"load": load}
                 lab.close_notebooks()

@@ -1,5 +1,7 @@
 """What the browser's test modules share."""
 
+import shutil
+
 import pytest
 
 from tests.browser.lab import browser, jupyter_lab
@@ -25,6 +27,8 @@ def lab(running_lab):
     """A JupyterLab in which a module's tests find nothing open and nothing saved."""
     yield running_lab
     running_lab.close_notebooks()
+    for each in running_lab.folder.iterdir():  # a saved notebook would be a stage of the next module's robot
+        shutil.rmtree(each) if each.is_dir() else each.unlink()
 
 
 @pytest.fixture(scope="module")

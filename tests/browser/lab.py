@@ -67,11 +67,9 @@ class Lab:
             return []
 
     def close_notebooks(self) -> None:
-        """End all kernels, and forget what was opened, which theme was chosen, and all files."""
+        """End all kernels, and forget what was opened and which theme was chosen."""
         for each in self._sessions():
             _request(f"{self.url}/api/sessions/{each['id']}", "DELETE")
-        for each in self.folder.iterdir():  # a saved notebook would be a stage of the next module's robot
-            shutil.rmtree(each) if each.is_dir() else each.unlink()
         shutil.rmtree(self.settings / "user" / "@jupyterlab" / "apputils-extension", ignore_errors=True)
         self.opened = ""
 
