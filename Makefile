@@ -10,7 +10,7 @@ SITE_ARGS ?=
 WORKERS ?= 2
 
 PY = .venv/bin/python
-# The pip of PYTHON fetches uv. Only where it cannot, .venv gets a pip of its own first, which takes longer than the rest.
+# The pip of PYTHON fetches uv. Only where it cannot, .venv gets a pip of its own first, which takes some seconds.
 FETCH_UV = --disable-pip-version-check $(PIP_ARGS) --quiet install --require-hashes -r .venv/uv.txt
 OWN_PIP = $(PY) -m ensurepip >/dev/null && $(PY) -m pip --disable-pip-version-check
 UV = $(PY) -m uv pip install --python $(PY)
