@@ -120,7 +120,7 @@ web/node_modules/made.stamp: web/package-lock.json
 # packages are compiled when they are first imported: compiling all of them takes longer than all the rest.
 define install
 @$(PY) -m uv --version >/dev/null 2>&1 || { sed -n '/^uv==/,/[^\\]$$/p' requirements.lock >.venv/uv.txt; \
-	$(PYTHON) -m pip --python .venv $(FETCH_UV) 2>/dev/null || { $(OWN_PIP) $(FETCH_UV); } || true; }
+	$(PYTHON) -m pip --python .venv $(FETCH_UV) 2>/dev/null || $(PYTHON) -m pip --version >/dev/null 2>&1 || { $(OWN_PIP) $(FETCH_UV); } || true; }
 @$(UV) $(2) --require-hashes -r $(1) || { $(OWN_PIP) $(PIP_ARGS) install --require-hashes -r $(1); } || { echo "Setting up .venv from $(1) failed (see above). Is this computer online, with 2 GB free? The same command goes on from here." >&2; exit 1; }
 @$(UV) --quiet --no-deps --no-build-isolation -e . || { $(OWN_PIP) $(PIP_ARGS) --quiet install --no-deps --no-build-isolation -e .; }
 endef
